@@ -85,8 +85,12 @@ class Scored:
     sizes: Array
 
     def size_beside(self, row: frozenset[str]) -> float:
-        """[FMU's unit of the torque port] Of the inadequacy beside a row."""
-        return float(self.sizes[self.elements.index(row)])
+        """[FMU's unit of the torque port] Of the inadequacy beside a row.
+
+        Of one that was not scored, that beside the largest row that it holds.
+        """
+        held = [elements for elements in self.elements if elements <= row]
+        return float(self.sizes[self.elements.index(max(held, key=len))])
 
     @property
     def best(self) -> frozenset[str]:

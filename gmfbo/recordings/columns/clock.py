@@ -99,6 +99,7 @@ def unrounded(time: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | 
         off = since - spacing * rows
         if np.ptp(off) <= tick * (1.0 + _NEARLY):
             begins = float(np.clip(0.0, off.max() - 0.5 * tick, off.min() + 0.5 * tick))
+            begins = begins if abs(begins) > _NEARLY * tick else 0.0
             return time[0] + begins + spacing * rows, tick
     return None
 
