@@ -20,11 +20,12 @@ static inline double actuator_saturation(const double *v, double u) {
     return limit == 0.0 ? u : clip(u, limit);
 }
 
-/* The speed takes away from the voltage that the supply leaves. */
+/* The back-EMF takes from the voltage that accelerates, and adds to the one that brakes. */
 static inline double supply_voltage_limit(const double *v, const Signals *s, double u) {
     double limit = v[V_supply_voltage_limit_limit];
     if (limit == 0.0) return u;
-    return clip(u, fmax(0.0, limit - v[V_supply_voltage_limit_slope] * fabs(s->velocity)));
+    double back = v[V_supply_voltage_limit_slope] * s->velocity;
+    return fmin(fmax(u, -limit - back), limit - back);
 }
 
 /* Torque falls behind the current as iron saturates. */

@@ -114,7 +114,7 @@ class Search:
     def _confirmed(self, decision: Decision, unseen: Case | None) -> tuple[Decision, Validated]:
         """Score on held-out recordings, and withdraw names with which these are met no better."""
         result = self._validated(decision, unseen)
-        while (name := met_worse_with(decision, result.squares)) is not None:
+        while (name := met_worse_with(_told(decision), result.squares)) is not None:
             self.case.notes.append(
                 f"{words(name)} would explain the recordings that were fitted, but the others are "
                 "met worse with it: it is not named"
@@ -157,6 +157,10 @@ class Search:
         if unseen & {windows[i].record for i in split.fitted}:
             return None
         return decision.shown_unknown.function.played(unseen)
+
+
+def _told(decision: Decision) -> list[str]:
+    return [found.winner.name for found in decision.rounds]
 
 
 def _held_against(decision: Decision, result: Validated) -> Decision:

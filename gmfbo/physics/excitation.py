@@ -70,7 +70,7 @@ class Excitation:
     pulses : tuple of tuple of float
         Candidates for a passing disturbance: (start, duration) [s].
     demands : tuple of tuple of float
-        Sizes of velocity and command at one instant: those beyond which the motion never lies.
+        Velocity along the command and its size at one instant: those beyond which none lies.
 
     Raises
     ------
@@ -126,9 +126,10 @@ class Excitation:
         return self.torque * self.loop_time / self.speed
 
     def largest_demand(self, slope: float) -> float:
-        """Largest `|command| + slope * |velocity|` of the motion; that of the ranges if unknown.
+        """Largest `|command| + slope * speed` of the motion; that of the ranges if unknown.
 
-        A limit that falls by `slope` acts if it is less at standstill.
+        The speed is that along the command. A limit that falls by `slope` acts if it is less at
+        standstill.
 
         Parameters
         ----------

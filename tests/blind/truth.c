@@ -127,7 +127,8 @@ static double drive(const World *w, const double *x, int *limited) {
     }
     double before = u;
     if (p->drive_limit > 0.0) u = clip(u, p->drive_limit);
-    if (p->supply_limit > 0.0) u = clip(u, fmax(0.0, p->supply_limit - p->supply_slope * fabs(x[V])));
+    if (p->supply_limit > 0.0) /* what the back-EMF leaves of the supply */
+        u = fmax(-p->supply_limit, fmin(p->supply_limit, u + p->supply_slope * x[V])) - p->supply_slope * x[V];
     *limited |= u != before;
     return u;
 }

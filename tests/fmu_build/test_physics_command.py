@@ -33,7 +33,7 @@ def test_each_limit_is_its_formula(new_instance: NewInstance, u: float, v: float
         "actuator_saturation": np.clip(u, -0.5, 0.5),
         "actuator_dead_zone": np.sign(u) * max(0.0, abs(u) - 0.2),
         "actuator_gain_loss": 0.9 * u,
-        "supply_voltage_limit": np.sign(u) * min(abs(u), max(0.0, 0.8 - 0.3 * abs(v))),
+        "supply_voltage_limit": min(max(u, -0.8 - 0.3 * v), 0.8 - 0.3 * v),
         "magnetic_saturation": u / (1.0 + (0.4 * u) ** 2),
     }
     for effect, value in expected.items():

@@ -72,9 +72,13 @@ def _ways(travel: NDArray[np.float64], least: float) -> list[int]:
 
 
 def demands(*states: States) -> tuple[tuple[float, float], ...]:
-    """Corners (|velocity|, |command|) of the motion, among which all falling limits are met."""
-    speed = np.abs(np.concatenate([s.velocity for s in states]))
-    command = np.abs(np.concatenate([s.command for s in states]))
+    """Corners (velocity along the command, |command|) of the motion, where falling limits are met.
+
+    What brakes meets no limit that falls with speed: it counts as at standstill.
+    """
+    given = np.concatenate([s.command for s in states])
+    along = np.concatenate([s.velocity for s in states]) * np.sign(given)
+    speed, command = np.maximum(along, 0.0), np.abs(given)
     fastest, largest = float(speed.max()), float(command.max())
     if fastest <= 0.0 or largest <= 0.0:
         return ()

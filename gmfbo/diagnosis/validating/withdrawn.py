@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from gmfbo.diagnosis.case.case import Case
@@ -11,17 +12,17 @@ from gmfbo.diagnosis.validating.explained_share import Squares
 from gmfbo.diagnosis.validating.validation import rows_without
 
 
-def met_worse_with(decision: Decision, squares: Squares) -> str | None:
-    """The effect with which held-out recordings are met worst, in all likelihood worse than not.
+def met_worse_with(names: Collection[str], squares: Squares) -> str | None:
+    """The effect with which held-out recordings are met worst, if worse than without, for sure.
 
     Parameters
     ----------
-    decision : Decision
-        With its names.
+    names : collection of str
+        Effects that are told.
     squares : Squares
         What the held-out stretches leave with all of them, and without each.
     """
-    shares = {found.winner.name: squares.share(found.winner.name) for found in decision.rounds}
+    shares = {name: squares.share(name) for name in names}
     worse = {n: share.value for n, share in shares.items() if share is not None and share.high < 0}
     return min(worse, key=lambda name: worse[name], default=None)
 

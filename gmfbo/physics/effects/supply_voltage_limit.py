@@ -1,4 +1,4 @@
-"""Supply voltage limit: fast motion leaves less voltage for torque."""
+"""Supply voltage limit: fast motion leaves less voltage for torque, and more to brake."""
 
 from collections.abc import Iterable, Sequence
 
@@ -12,9 +12,11 @@ from gmfbo.physics.states import Array, States
 _SLOPES = 30  # of its further starts
 
 
-def _limit(states: States, parameters: Values) -> Array:
-    left = parameters["limit"] - parameters["slope"] * np.abs(states.velocity)
-    return np.maximum(0.0, left)
+def _change(states: States, parameters: Values) -> Array:
+    """By which the limits at both ends change the command, shape (n,)."""
+    back = parameters["slope"] * states.velocity
+    limited = np.clip(states.command, -parameters["limit"] - back, parameters["limit"] - back)
+    return np.asarray(limited - states.command, dtype=np.float64)
 
 
 def _slope(excitation: Excitation) -> float:
@@ -77,16 +79,16 @@ supply_voltage_limit = Effect(
     size_name="cut",
     size_unit="command",
     floor=limits.cut_floor,
-    signal=lambda states, p: limits.clipped(states.command, _limit(states, p)),
-    acts=lambda states, p: limits.beyond(states.command, _limit(states, p)),
-    region=lambda p, units: "where command and velocity are high",
+    signal=_change,
+    acts=lambda states, p: _change(states, p) != 0.0,
+    region=lambda p, units: "where command and velocity are high and of one sign",
     region_state="command",
     statement=sentence(
         "A supply limit of about {limit}, less {slope} times the speed, is missing from the twin.",
         limit="command",
         slope="command/velocity",
     ),
-    equation="abs(u_out) <= max(0, u_max - k * abs(omega))",
+    equation="-u_max - k * omega <= u_out <= u_max - k * omega",
     source="Leonhard, 1985",
     contains=("actuator_saturation",),
     confused_with={

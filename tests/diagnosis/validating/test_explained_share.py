@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gmfbo.diagnosis.validating.explained_share import Squares
+from gmfbo.diagnosis.validating.withdrawn import met_worse_with
 
 NOISE = np.full(12, 200.0)
 
@@ -81,3 +82,21 @@ def test_one_stretch_far_beyond_noise_does_not_outweigh_all_others() -> None:
     assert found.remainder > 1.0
     assert not found.gain_nothing
     assert Squares(noise, after, before, {}).gain_nothing
+
+
+def test_a_law_without_which_unseen_stretches_are_met_better_is_the_one_to_withdraw() -> None:
+    """Friction explains seven tenths; with ripple and a spring beside it more is left."""
+    found = squares(11.0, 3.0, coulomb_friction=10.0, torque_ripple=1.5, elastic_return=2.5)
+    names = ("coulomb_friction", "torque_ripple", "elastic_return")
+    assert met_worse_with(names, found) == "torque_ripple"
+    assert met_worse_with(names[::2], found) == "elastic_return"
+    assert met_worse_with(names[:1], found) is None
+    assert met_worse_with((), found) is None
+
+
+def test_a_law_of_which_stretches_disagree_is_not_withdrawn() -> None:
+    better, worse = np.tile([3.0, 2.5], 6) * NOISE, 3.0 * NOISE
+    found = Squares(NOISE, 11.0 * NOISE, worse, {"backlash": better})
+    assert met_worse_with(["backlash"], found) == "backlash"
+    found = Squares(NOISE, 11.0 * NOISE, worse, {"backlash": np.tile([3.5, 2.4], 6) * NOISE})
+    assert met_worse_with(["backlash"], found) is None
