@@ -1,7 +1,8 @@
 """What every logger does to a column: clock, lateness, scale, zero and filter, for all recordings.
 
 Each has a standard normal coordinate. That of a filter bends upward, so that filters of several
-rows are unlikely, and no more than that.
+rows are unlikely, and no more than that. Where stamps jitter, one tells whether the rows did (0) or
+the stamps alone (1), on a logger that samples evenly and looks at its clock some time later.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ class Logging:
         total = values.copy()
         rates = [np.gradient(column, segment.spacing) for column in values]
         for (kind, name), nu in zip(self.names, nuisances, strict=True):
-            if nu == 0.0 or (kind != "clock" and name not in segment.names):
+            if nu == 0.0 or (name and name not in segment.names):
                 continue
             rows = [segment.names.index(name)] if name else list(range(len(values)))
             for row in rows:
@@ -90,7 +91,7 @@ class Logging:
         columns = np.zeros((len(self.names), *values.shape))
         rates = [np.gradient(column, segment.spacing) for column in values]
         for i, ((kind, name), nu) in enumerate(zip(self.names, nuisances, strict=True)):
-            if kind != "clock" and name not in segment.names:
+            if name and name not in segment.names:
                 continue
             rows = [segment.names.index(name)] if name else list(range(len(values)))
             for row in rows:
@@ -113,6 +114,8 @@ class Logging:
             since = segment.time - segment.times[0][0]
             drift: Array = CLOCK_PRIOR * since * rate
             return drift
+        if kind == "stamps":
+            return np.asarray(-segment.late * rate, dtype=np.float64)
         if kind == "scale":
             usual = POSITION_SCALE_PRIOR if name in self.positions else SCALE_PRIOR
             return max(usual, self.alignments[name].scale) * column
@@ -155,6 +158,8 @@ def logging_of(
         found += [("shift", name), ("filter", name), ("scale", name)]
         if alignments[name].offset > 0.0 or resolutions[name] > 0.0:
             found.append(("offset", name))
+    if any(segment.late.any() for segment in segments):
+        found.append(("stamps", ""))
     return Logging((*found, ("clock", "")), ranges, resolutions, positions, alignments)
 
 

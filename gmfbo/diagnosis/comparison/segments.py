@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Record
 from gmfbo.diagnosis.scoring.whitening import Window
 
 Array = NDArray[np.float64]
+
+_EVEN = 1e-3  # of a row: nearer to an even clock is how times are written
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +42,14 @@ class Segment:
     def spacing(self) -> float:
         """[s] Between rows."""
         return float(self.time[-1] - self.time[0]) / (self.time.size - 1)
+
+    @cached_property
+    def late(self) -> Array:
+        """[s] By which the stamp of each row is later than on an even clock, shape (n,)."""
+        rows = np.arange(self.time.size, dtype=np.float64)
+        since = self.time - self.time[0]
+        off: Array = since - np.polyval(np.polyfit(rows, since, 1), rows)
+        return off if np.abs(off).max() > _EVEN * self.spacing else np.zeros_like(off)
 
     def read(self, columns: Sequence[Array]) -> Array:
         """Signals on the segment's rows, shape (m, n).
