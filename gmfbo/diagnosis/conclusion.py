@@ -240,20 +240,18 @@ class Conclusion:
     def _is_mismatch(self, tests: Sequence[ResidualTest]) -> bool:
         """Whether laws explain little of what is left, and most of that follows the reference.
 
-        Of names by what they explain of the held-out recordings. Without a name it is asked where
-        no smooth torque can stand for what is missing, since the twin has no port.
+        Asked where no smooth torque can stand for what is missing, since the twin has no port.
         """
-        decision, signals = self.decision, self.result.fit.signals
-        if decision.rounds:
-            is_little = (self.result.squares.remainder or 0.0) > MOST
-        else:
-            has_port = "torque" in decision.compared.ledger.kernels.kernels
-            is_little = not has_port and decision.share is not None and decision.share < MOST
+        compared = self.decision.compared
+        has_port = "torque" in compared.ledger.kernels.kernels
+        share, signals = self.decision.share, self.result.fit.signals
+        if has_port or share is None or share >= MOST:
+            return False
         errors = {
-            name: one.augmented if decision.row.elements else one.parameters_only
+            name: one.augmented if self.decision.row.elements else one.parameters_only
             for name, one in signals.items()
         }
-        return is_little and any(t.follows > max(t.bound, MOST * errors[t.signal]) for t in tests)
+        return any(t.follows > max(t.bound, MOST * errors[t.signal]) for t in tests)
 
     @property
     def _parameters_matter(self) -> bool:

@@ -114,7 +114,7 @@ class Search:
     def _confirmed(self, decision: Decision, unseen: Case | None) -> tuple[Decision, Validated]:
         """Score on held-out recordings, and withdraw names with which these are met no better."""
         result = self._validated(decision, unseen)
-        while (name := met_worse_with(_told(decision), result.squares)) is not None:
+        while (name := _met_worse_with(decision, result)) is not None:
             self.case.notes.append(
                 f"{words(name)} would explain the recordings that were fitted, but the others are "
                 "met worse with it: it is not named"
@@ -159,8 +159,10 @@ class Search:
         return decision.shown_unknown.function.played(unseen)
 
 
-def _told(decision: Decision) -> list[str]:
-    return [found.winner.name for found in decision.rounds]
+def _met_worse_with(decision: Decision, result: Validated) -> str | None:
+    """One of several names that held-out recordings speak against; a last one is judged by G."""
+    names = [found.winner.name for found in decision.rounds]
+    return met_worse_with(names, result.squares) if len(names) > 1 else None
 
 
 def _held_against(decision: Decision, result: Validated) -> Decision:

@@ -126,10 +126,9 @@ class Excitation:
         return self.torque * self.loop_time / self.speed
 
     def largest_demand(self, slope: float) -> float:
-        """Largest `|command| + slope * speed` of the motion; that of the ranges if unknown.
+        """Largest `|command + slope * velocity|` of the motion; that of the ranges if unknown.
 
-        The speed is that along the command. A limit that falls by `slope` acts if it is less at
-        standstill.
+        A limit that falls by `slope` acts if it is less at standstill.
 
         Parameters
         ----------
@@ -137,7 +136,7 @@ class Excitation:
             [command/velocity] At least 0.
         """
         met = self.demands or ((self.speed, self.command),)
-        return max(command + slope * speed for speed, command in met)
+        return max(abs(command + slope * speed) for speed, command in met)
 
     @property
     def load_range(self) -> float:

@@ -69,12 +69,6 @@ def setting_of(machine: Machine, true: Mapping[str, float], runs: Sequence[TrueR
         peak_speed=peak_speed,
         travel=float(max(np.max(np.abs(run.position)) for run in runs)),
         peak_mix=float(
-            max(
-                np.max(
-                    np.abs(run.new) / peak_command
-                    + np.maximum(run.velocity * np.sign(run.new), 0.0) / peak_speed
-                )
-                for run in runs
-            )
+            max(np.max(np.abs(run.new / peak_command + run.velocity / peak_speed)) for run in runs)
         ),
     )

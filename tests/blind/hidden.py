@@ -28,7 +28,7 @@ class Setting:
     peak_speed, travel : float
         [position/s], [position] Largest speed and distance from zero.
     peak_mix : float
-        Largest sum of |command| and the speed along it, each as a share of its own peak.
+        Largest |sum| of command and velocity, each as a share of its own peak.
     """
 
     machine: Machine

@@ -37,7 +37,7 @@ from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.runs.twin_steps import reads_back, steps_finely
 from gmfbo.diagnosis.scoring.long_rests import mark_long_rests
 from gmfbo.diagnosis.scoring.noise_levels import NoiseLevel, noise_levels
-from gmfbo.diagnosis.scoring.signal_parts import Rig, describe_rig
+from gmfbo.diagnosis.scoring.signal_parts import Rig, describe_rig, speed_scales
 from gmfbo.diagnosis.scoring.whitening import Window
 from gmfbo.diagnosis.scoring.windows import windows_of
 from gmfbo.errors import RecordingError
@@ -350,7 +350,9 @@ class _Opening:
             nominal,
             torque=torque,
             command=command,
-            speed=recorded_speed(simulations.records, rig.position, rig.position_to_si, loop_time),
+            speed=recorded_speed(
+                simulations.records, speed_scales(self.twin.binding, rig), rig.position
+            ),
             step=self.twin.step / substeps,
             loop_time=loop_time,
             resolution=resolution,

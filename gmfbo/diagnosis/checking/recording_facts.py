@@ -110,7 +110,8 @@ def _velocity(case: Case, recording: Recording, states: States) -> Array:
         if entry.variable == wanted and name in recording.signals:
             to_si = case.twin.binding.variables[entry.variable].variable.to_si
             values = recording.signal(name)
-            return np.asarray(values[np.isfinite(values)] / to_si, dtype=np.float64)
+            if np.isfinite(values).any():
+                return np.asarray(values[np.isfinite(values)] / to_si, dtype=np.float64)
     return states.velocity
 
 

@@ -70,7 +70,7 @@ class Logging:
             [standard deviations]
         """
         total = values.copy()
-        rates = [np.gradient(column, segment.spacing) for column in values]
+        rates = _rates(segment, values)
         for (kind, name), nu in zip(self.names, nuisances, strict=True):
             if nu == 0.0 or (name and name not in segment.names):
                 continue
@@ -89,7 +89,7 @@ class Logging:
             As of `seen`.
         """
         columns = np.zeros((len(self.names), *values.shape))
-        rates = [np.gradient(column, segment.spacing) for column in values]
+        rates = _rates(segment, values)
         for i, ((kind, name), nu) in enumerate(zip(self.names, nuisances, strict=True)):
             if name and name not in segment.names:
                 continue
@@ -161,6 +161,12 @@ def logging_of(
     if any(segment.late.any() for segment in segments):
         found.append(("stamps", ""))
     return Logging((*found, ("clock", "")), ranges, resolutions, positions, alignments)
+
+
+def _rates(segment: Segment, values: Array) -> list[Array]:
+    """[SI/s] Of each signal; rows that jitter are as far apart as they are."""
+    apart = segment.time if segment.late.any() else segment.spacing
+    return [np.gradient(column, apart) for column in values]
 
 
 def _filtered(column: Array, time: float, spacing: float) -> Array:

@@ -31,12 +31,15 @@ class Segment:
         [s] Of the rows, those of the slowest signal.
     times : tuple of ndarray
         [s] Of each signal over the whole recording.
+    stamps : ndarray, shape (n,), or None
+        [s] Of the rows, as the logger wrote them; None where that is not known.
     """
 
     record: int
     names: tuple[str, ...]
     time: Array
     times: tuple[Array, ...]
+    stamps: Array | None = None
 
     @property
     def spacing(self) -> float:
@@ -46,8 +49,8 @@ class Segment:
     @cached_property
     def late(self) -> Array:
         """[s] By which the stamp of each row is later than on an even clock, shape (n,)."""
-        rows = np.arange(self.time.size, dtype=np.float64)
-        since = self.time - self.time[0]
+        rows, stamps = np.arange(self.time.size, dtype=np.float64), self.stamps
+        since = self.time - self.time[0] if stamps is None else stamps - stamps[0]
         off: Array = since - np.polyval(np.polyfit(rows, since, 1), rows)
         return off if np.abs(off).max() > _EVEN * self.spacing else np.zeros_like(off)
 
@@ -89,7 +92,9 @@ def segments_of(
         slowest = int(np.argmax([s.spacing for s in signals]))
         time = signals[slowest].time[rows[slowest]]
         names = tuple(s.name for s in signals)
-        whole = Segment(k, names, time, tuple(s.time for s in signals))
+        stamps = signals[slowest].stamps
+        stamps = None if stamps is None else stamps[rows[slowest]]
+        whole = Segment(k, names, time, tuple(s.time for s in signals), stamps)
         found += _without_rests(whole, records[k].rests, settled)
     return tuple(found)
 
@@ -111,7 +116,10 @@ def _without_rests(
     edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(int), [0]])))
     pieces = [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
     long = [piece for piece in pieces if piece.stop - piece.start >= LEAST_ROWS]
-    return [replace(whole, time=time[piece]) for piece in long] or [whole]
+    stamps = whole.stamps
+    cut = [None if stamps is None else stamps[piece] for piece in long]
+    parts = [replace(whole, time=time[p], stamps=s) for p, s in zip(long, cut, strict=True)]
+    return parts or [whole]
 
 
 def _follows(before: Sequence[slice], after: Sequence[slice]) -> bool:

@@ -136,7 +136,7 @@ class _Checks:
         ):
             self.why_not["plant"] = "the position was not recorded"
             self.why_not["controller"] = (
-                "no position was recorded to feed it with; a speed loop is not checked so far"
+                "a recording has no position to feed it with; a speed loop is not checked so far"
                 if "sensor" in self.case.twin.file.ports
                 else _NO_SENSOR
             )

@@ -38,12 +38,14 @@ def computing_interval(base: Fitted, command: str, step: float) -> float:
         [s] Of the twin; a controller that computes more often is not seen.
     """
     changes = [np.flatnonzero(np.diff(run.response.held[command])) for run in base.simulated]
-    gaps = [int(np.diff(own).min()) for own in changes if own.size > 1]
-    return step * min(gaps, default=1)
+    # The median: at rest it changes rarely, and what is no whole number of steps changes by turns.
+    usual = [np.diff(own) for own in changes if own.size > 1]
+    near = [float(own[own <= np.median(own) + 1.0].mean()) for own in usual]
+    return step * min(near, default=1.0)
 
 
 def row_interval(case: Case, position: str) -> float:
-    """[s] Longest time between two rows of the measured position, in the slowest recording.
+    """[s] Mean time between two rows of the measured position, in the slowest recording.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from gmfbo.physics import Excitation, States
 _UNSEEN_STEP = 1e-3  # of the stroke: largest resolution assumed where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
 _AT_REST = 0.02  # of the motion caused by a push: a smaller distance counts as rest
+_CLEAR = 20.0  # times its noise: a motion whose speed is known
 _PROBE_SHARES = (0.02, 0.3)  # of the command's range: wanted answer to a probing torque
 
 
@@ -74,12 +75,12 @@ def _ways(travel: NDArray[np.float64], least: float) -> list[int]:
 def demands(*states: States) -> tuple[tuple[float, float], ...]:
     """Corners (velocity along the command, |command|) of the motion, where falling limits are met.
 
-    What brakes meets no limit that falls with speed: it counts as at standstill.
+    What brakes has a velocity below zero there.
     """
     given = np.concatenate([s.command for s in states])
-    along = np.concatenate([s.velocity for s in states]) * np.sign(given)
-    speed, command = np.maximum(along, 0.0), np.abs(given)
-    fastest, largest = float(speed.max()), float(command.max())
+    velocity = np.concatenate([s.velocity for s in states])
+    speed, command = np.where(given < 0.0, -velocity, velocity), np.abs(given)
+    fastest, largest = float(np.abs(speed).max()), float(command.max())
     if fastest <= 0.0 or largest <= 0.0:
         return ()
     # Between the axes and the points on them the hull has an area, and corners that count.
@@ -225,7 +226,8 @@ def _settled(far: NDArray[np.bool_], grid: NDArray[np.float64]) -> float:
     rows = np.flatnonzero(far)
     if not rows.size:
         return float(grid[1] - grid[0])
-    stays = np.flatnonzero(np.diff(rows) > rows[:-1] + 1)
+    # An answer that swings passes its end, which is no stay.
+    stays = np.flatnonzero(np.diff(rows) > np.maximum(rows[:-1] + 1, far.size // 100))
     last = rows[stays[0]] if stays.size else rows[-1]
     return float(grid[int(last) + 1] - grid[0])
 
@@ -293,9 +295,9 @@ def measure_ranges(
 
 
 def recorded_speed(
-    records: Sequence[Record], position: str | None, to_si: float, loop_time: float
+    records: Sequence[Record], scales: Mapping[str, float], position: str | None
 ) -> float | None:
-    """Fastest motion that was recorded [FMU's unit]; None without a position.
+    """Fastest motion that was recorded [FMU's unit]; None where noise or counts hide it.
 
     A twin that lacks a limit or friction may move several times as fast, and a law acts at the
     speeds of the axis.
@@ -304,21 +306,32 @@ def recorded_speed(
     ----------
     records : sequence of Record
         Recordings that are scored.
+    scales : mapping of str to float
+        [SI unit / FMU's unit] Of the signals that are the position, or else the velocity.
     position : str or None
-        Signal that is the position.
-    to_si : float
-        [SI unit / FMU's unit] Of the position.
-    loop_time : float
-        [s] Time over which the speed is a mean: none changes faster.
+        Which of them is the position.
     """
     found = []
     for record in records:
         for signal in record.signals:
-            if signal.name == position:
-                rows = int(np.clip(round(loop_time / signal.spacing), 1, signal.values.size - 1))
-                moved = signal.values[rows:] - signal.values[:-rows]
-                found.append(moved / (rows * signal.spacing * to_si))
-    return _fastest(found) if found else None
+            if signal.name in scales:
+                values, spacing = signal.values / scales[signal.name], signal.spacing
+                counts = signal.resolution / abs(scales[signal.name])
+                is_position = signal.name == position
+                found.append(_slopes(values, spacing, counts) if is_position else values)
+    known = [velocity for velocity in found if velocity.size]
+    return _fastest(known) if known else None
+
+
+def _slopes(position: NDArray[np.float64], spacing: float, counts: float) -> NDArray[np.float64]:
+    """Velocity over the shortest time that noise and counts do not drown; empty without one."""
+    unsure, rows = max(float(np.median(np.abs(np.diff(position, 2)))), counts), 1
+    while rows < position.size // 4:
+        moved = position[rows:] - position[:-rows]
+        if _fastest([moved]) > _CLEAR * unsure:
+            return moved / (rows * spacing)
+        rows *= 2
+    return np.zeros(0)
 
 
 def _fastest(velocities: Sequence[NDArray[np.float64]]) -> float:

@@ -35,6 +35,9 @@ class ScoredSignal:
         [SI] Smallest step between recorded values; 0 where they are continuous.
     driving : ndarray, shape (n,), or None
         Scored part of the signal, where a tracking loop removes the rest.
+    stamps : ndarray, shape (n,), or None
+        [s] Times as the logger wrote them, from which the values were put on these; None where
+        rows are lost.
     """
 
     name: str
@@ -42,6 +45,7 @@ class ScoredSignal:
     values: NDArray[np.float64]
     resolution: float
     driving: NDArray[np.float64] | None = None
+    stamps: NDArray[np.float64] | None = None
 
     @property
     def spacing(self) -> float:
@@ -204,10 +208,11 @@ def _uniform(
     time, values = recording.time[inside], recording.signal(name)[inside]
     even = _even(time)
     spacing = float(even[1] - even[0])
+    stamps = time if even.size == time.size else None
     if even.size != time.size or np.abs(even - time).max() > _JITTER_SHARE * spacing:
         values = np.interp(even, time, values)
         time = even
-    return ScoredSignal(name, time, values, resolution(values))
+    return ScoredSignal(name, time, values, resolution(values), stamps=stamps)
 
 
 def resolution(values: NDArray[np.float64]) -> float:

@@ -68,6 +68,23 @@ def describe_rig(binding: Binding, records: Sequence[Record]) -> Rig:
     return Rig(position, positions, alignments, factor)
 
 
+def speed_scales(binding: Binding, rig: Rig) -> dict[str, float]:
+    """[SI unit / FMU's unit] Of the output that shows the speed: the position, or the velocity.
+
+    Parameters
+    ----------
+    binding : Binding
+        The twin.
+    rig : Rig
+        Of its signals.
+    """
+    if rig.position is not None:
+        return {rig.position: rig.position_to_si}
+    wanted = binding.file.states.get("velocity")
+    outputs = binding.file.outputs.items()
+    return {n: binding.variables[wanted].variable.to_si for n, e in outputs if e.variable == wanted}
+
+
 def _position_signal(binding: Binding, present: set[str]) -> str | None:
     """Output that is the state `position`, by its variable, its name or its unit."""
     outputs, state = binding.file.outputs, binding.file.states.get("position")

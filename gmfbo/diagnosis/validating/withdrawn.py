@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.naming.decided_by_score import measured
-from gmfbo.diagnosis.naming.decision import Decision
+from gmfbo.diagnosis.naming.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.validating.explained_share import Squares
 from gmfbo.diagnosis.validating.validation import rows_without
 
@@ -35,17 +35,27 @@ def without_name(case: Case, decision: Decision, name: str) -> Decision:
     case : Case
         Twin and recordings.
     decision : Decision
-        With several names, or this one alone.
+        With several names.
     name : str
         The effect.
     """
     compared = decision.compared
     row = rows_without(decision).get(name, decision.base)
+    model, fitted = measured(case.misfit, row), compared.ledger.rows
+
+    def beside(found: Round) -> Round:
+        others = row.elements - {found.winner.name}
+        rows = [(r, fitted.get(others | {r.name})) for r in found.rivals]
+        rivals = [
+            r if own is None else Evidence(r.name, measured(case.misfit, own)) for r, own in rows
+        ]
+        return replace(found, winner=Evidence(found.winner.name, model), rivals=tuple(rivals))
+
     return replace(
         decision,
-        rounds=tuple(found for found in decision.rounds if found.winner.name != name),
+        rounds=tuple(beside(found) for found in decision.rounds if found.winner.name != name),
         row=row,
-        model=measured(case.misfit, row),
+        model=model,
         share=compared.search.noise.share(decision.base, row, compared.ledger),
     )
 

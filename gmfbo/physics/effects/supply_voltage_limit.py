@@ -10,6 +10,7 @@ from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, States
 
 _SLOPES = 30  # of its further starts
+_ROUND_OFF = 1e-9  # of the limit
 
 
 def _change(states: States, parameters: Values) -> Array:
@@ -80,7 +81,7 @@ supply_voltage_limit = Effect(
     size_unit="command",
     floor=limits.cut_floor,
     signal=_change,
-    acts=lambda states, p: _change(states, p) != 0.0,
+    acts=lambda states, p: np.abs(_change(states, p)) > _ROUND_OFF * p["limit"],
     region=lambda p, units: "where command and velocity are high and of one sign",
     region_state="command",
     statement=sentence(

@@ -12,6 +12,7 @@ from gmfbo.errors import RecordingError
 JITTER = 0.1  # deviation of a step from the mean step, as a share of it, up to which it is even
 _DIGITS = tuple(10.0**-k for k in range(10))  # [s] last digit of a clock, the coarsest first
 _NEARLY = 1e-3  # of a digit: binary numbers hold no decimals
+_OFTEN = 0.02  # of the steps: rarer ones are faults
 GAP = 2.5
 """Longest step, in median steps: one lost row lengthens a hold by a step, two are a gap."""
 
@@ -94,6 +95,8 @@ def unrounded(time: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | 
         return None
     rows = np.arange(time.size, dtype=np.float64)
     slope = float(np.polyfit(rows, since, 1)[0])
+    if not _alternates(np.diff(since) / tick, slope / tick):
+        return None
     # What a logger is set to has few digits.
     for spacing in (*(float(f"{slope:.{digits}g}") for digits in range(1, 10)), slope):
         off = since - spacing * rows
@@ -102,6 +105,17 @@ def unrounded(time: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | 
             begins = begins if abs(begins) > _NEARLY * tick else 0.0
             return time[0] + begins + spacing * rows, tick
     return None
+
+
+def _alternates(steps: NDArray[np.float64], usual: float) -> bool:
+    """Whether steps, in digits, are the whole numbers about a mean, and both of them often.
+
+    Of a digit as long as a row, or of one step among many, it cannot be told from a lost row.
+    """
+    short = np.floor(usual)
+    is_short, is_long = (np.abs(steps - k) < _NEARLY for k in (short, short + 1.0))
+    often = min(int(is_short.sum()), int(is_long.sum())) >= max(_OFTEN * steps.size, 5)
+    return bool(short >= 2.0 and np.all(is_short | is_long) and often)
 
 
 def check_order(label: str, time: NDArray[np.float64], row_name: Callable[[int], str]) -> None:

@@ -14,6 +14,8 @@ from gmfbo.errors import RecordingError
 _LATE_SHARE = 0.5 * (1.0 - 1e-6)
 # Quartz clocks are off by up to 100 ppm each, two by 200 ppm; beyond twice that they are no clocks.
 _CLOCKS_APART = 4e-4
+# Mean resultant length of rows' places within a step, above which they have one (Mardia 1972).
+_ABOUT_THE_STEPS = 0.5
 # A recording that ends this share of a step after a grid point needs no further point.
 _END_SHARE = 1e-3
 
@@ -79,9 +81,22 @@ def sample(
     )
     late = _LATE_SHARE * spacing if np.isfinite(spacing) else 0.0
     if grid.size > 1:
-        known_time = _by_the_clock_of(float(grid[1] - grid[0]), known_time, late)
+        step = float(grid[1] - grid[0])
+        known_time = known_time - _beside_the_grid(known_time - grid[0], step)
+        known_time = _by_the_clock_of(step, known_time, late)
     rows = np.searchsorted(known_time, grid + late, side="right") - 1
     return known[np.clip(rows, 0, None)]
+
+
+def _beside_the_grid(since: NDArray[np.float64], step: float) -> float:
+    """[s] By which rows that jitter about every step, or every n-th, are later than the grid.
+
+    The grid begins at the first row, whose stamp jitters as well. Rows at another rate lie
+    anywhere between the steps, and are left where they are.
+    """
+    turns = np.mean(np.exp(2j * np.pi * since / step))
+    off = float(np.angle(turns)) / (2.0 * np.pi)
+    return off * step if abs(turns) > _ABOUT_THE_STEPS and abs(off) > _END_SHARE else 0.0
 
 
 def _by_the_clock_of(step: float, time: NDArray[np.float64], late: float) -> NDArray[np.float64]:

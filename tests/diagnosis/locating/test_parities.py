@@ -135,7 +135,7 @@ def test_controller_of_a_recording_without_position_is_told_why_it_is_not_checke
     kept = {n: c for n, c in recording.signals.items() if n != "position"}
     with checked(twin, [replace(recording, signals=kept)]) as (_, found):
         assert found.controller is None
-        assert found.why_not["controller"].startswith("no position was recorded to feed it")
+        assert found.why_not["controller"].startswith("a recording has no position to feed it")
         assert found.why_not["plant"] == "the position was not recorded"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -100,3 +101,14 @@ def test_what_jitters_is_not_taken_for_rounded_and_even_rows_stay_as_they_are() 
     assert unrounded(even) is None
     lost = np.delete(np.round(even, 3), 200)
     assert unrounded(lost) is None
+
+
+@pytest.mark.parametrize("kept", [lambda k: k != 1500, lambda k: k % 10 != 3, lambda k: k % 3 > 0])
+def test_lost_rows_of_a_clock_as_long_as_a_row_stay_lost(kept: Callable[[int], bool]) -> None:
+    time = np.array([1e-3 * k for k in range(3000) if kept(k)])
+    assert unrounded(np.round(time, 3)) is None
+
+
+def test_a_few_rows_written_by_hand_stay_where_they_are() -> None:
+    for times in ([0.0, 1.0, 3.0], [0.0, 2.0, 5.0, 7.0], [0.0, 0.2, 0.5, 0.7, 1.0]):
+        assert unrounded(np.array(times)) is None

@@ -36,6 +36,19 @@ def test_a_held_sample_is_not_delayed_by_jitter_of_its_clock(
     assert np.array_equal(sample(grid + late, values, grid, "hold", "x"), values)
 
 
+@given(first=st.floats(-0.4, 0.4), seed=st.integers(0, 2**32 - 1), each=st.integers(1, 5))
+def test_nor_where_the_first_stamp_jitters_from_which_the_grid_begins(
+    first: float, seed: int, each: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    rows = 400
+    time = even(rows, 1.0, each * STEP) + 0.2 * STEP * rng.uniform(-1.0, 1.0, rows)
+    time[0] = 1.0 + first * STEP
+    values = np.arange(rows, dtype=np.float64)
+    grid = even((rows - 1) * each + 1, time[0])
+    assert np.array_equal(sample(time, values, grid, "hold", "x")[::each], values)
+
+
 @given(
     rows=st.integers(2, 5000),
     start=st.floats(-1e3, 1e3),
