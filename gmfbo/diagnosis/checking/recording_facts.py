@@ -105,14 +105,20 @@ def _position(case: Case, recording: Recording) -> Array | None:
 
 def _velocity(case: Case, recording: Recording, states: States) -> Array:
     """[FMU's unit] As it was recorded; that of the twin where it was not."""
-    wanted = case.twin.file.states.get("velocity")
-    for name, entry in case.twin.file.outputs.items():
-        if entry.variable == wanted and name in recording.signals:
-            to_si = case.twin.binding.variables[entry.variable].variable.to_si
+    for name in _velocities(case):
+        if name in recording.signals:
+            variable = case.twin.file.outputs[name].variable
+            to_si = case.twin.binding.variables[variable].variable.to_si
             values = recording.signal(name)
             if np.isfinite(values).any():
                 return np.asarray(values[np.isfinite(values)] / to_si, dtype=np.float64)
     return states.velocity
+
+
+def _velocities(case: Case) -> list[str]:
+    """Outputs that are the state `velocity`."""
+    wanted = case.twin.file.states.get("velocity")
+    return [name for name, e in case.twin.file.outputs.items() if e.variable == wanted]
 
 
 def _named(case: Case, recording: Recording) -> list[str]:
@@ -208,8 +214,7 @@ def _readings(case: Case, name: str) -> list[str]:
     positions = [n for n in case.twin.file.outputs if n in case.rig.positions]
     if name in positions:
         return []
-    wanted = case.twin.file.states.get("velocity")
-    velocities = [n for n, e in case.twin.file.outputs.items() if e.variable == wanted]
+    velocities = _velocities(case)
     return positions if name in velocities else [*positions, *velocities]
 
 

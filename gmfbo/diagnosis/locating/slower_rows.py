@@ -26,7 +26,7 @@ Column = NDArray[np.float64]
 
 
 def computing_interval(base: Fitted, command: str, step: float) -> float:
-    """[s] Shortest time between two changes of the twin's own command.
+    """[s] Usual time between two changes of the twin's own command, where it is shortest.
 
     Parameters
     ----------

@@ -92,7 +92,8 @@ def remainder_words(remainder: Remainder | None) -> str:
     """
     if remainder is None or (remainder.share < LEAST_TOLD and remainder.against is None):
         return ""
-    share = percent(remainder.share) if remainder.share >= LEAST_TOLD else "less than 1 %"
+    is_small = remainder.share < LEAST_TOLD
+    share = f"less than {100.0 * LEAST_TOLD:g} %" if is_small else percent(remainder.share)
     told = f"{share} of what is more than noise is explained by no law"
     if remainder.against is not None:
         told += f"; it depends on the {words(remainder.against)}{resembling_words(remainder)}"

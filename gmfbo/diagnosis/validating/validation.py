@@ -117,7 +117,7 @@ def validate(
     there = foretelling(search, ledger, decision.row)
     seen = [seen_on(case, search, there, row, scored, about, left) for row in told]
     without = {}
-    for name, row in rows_without(decision).items():
+    for name, row in _rows_without(decision).items():
         lost = quiet(case, part_of(case, search, ledger, row, chosen).fitted, chosen)
         without[name] = seen_on(case, search, there, lost, scored, about)
     misfit = restricted(case.misfit, chosen)
@@ -157,7 +157,7 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
-    for name, row in rows_without(decision).items():
+    for name, row in _rows_without(decision).items():
         lost = quiet(unseen, row)
         without[name] = seen_on(unseen, search, there_ledger, lost, split.held_out, ())
     seen = _Seen(decision, there_ledger, there[0], there[1], without)
@@ -169,27 +169,30 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     )
 
 
-def rows_without(decision: Decision) -> dict[str, Row]:
-    """Rows that lack one of several named effects; of one alone, the refitted twin does.
+def _rows_without(decision: Decision) -> dict[str, Row]:
+    """Rows that lack one of several named effects; of one alone, the refitted twin does."""
+    names = [found.winner.name for found in decision.rounds]
+    if len(names) < 2 and len(decision.row.elements) < 2:
+        return {}
+    rows = {name: row_without(decision, name) for name in names}
+    return {name: row for name, row in rows.items() if row is not None}
+
+
+def row_without(decision: Decision, name: str) -> Row | None:
+    """The row that lacks a named effect, fitted if the comparison has not; None where none fits.
 
     Parameters
     ----------
     decision : Decision
         What was accepted.
+    name : str
+        The effect.
     """
-    names = [found.winner.name for found in decision.rounds]
-    if len(names) < 2 and len(decision.row.elements) < 2:
-        return {}
     search, ledger = decision.compared.search, decision.compared.ledger
-    rows = {}
-    for name in names:
-        row = ledger.rows.get(decision.row.elements - {name})
-        row = row or RowFits(search.problem, ledger.noise_of).without(
-            ledger.whitening, decision.row, name, _REFITTED
-        )
-        if row is not None:
-            rows[name] = row
-    return rows
+    known = ledger.rows.get(decision.row.elements - {name})
+    return known or RowFits(search.problem, ledger.noise_of).without(
+        ledger.whitening, decision.row, name, _REFITTED
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.naming.decided_by_score import measured
 from gmfbo.diagnosis.naming.decision import Decision, Evidence, Round
 from gmfbo.diagnosis.validating.explained_share import Squares
-from gmfbo.diagnosis.validating.validation import rows_without
+from gmfbo.diagnosis.validating.validation import row_without
 
 
 def met_worse_with(names: Collection[str], squares: Squares) -> str | None:
@@ -40,7 +40,7 @@ def without_name(case: Case, decision: Decision, name: str) -> Decision:
         The effect.
     """
     compared = decision.compared
-    row = rows_without(decision).get(name, decision.base)
+    row = row_without(decision, name) or decision.base
     model, fitted = measured(case.misfit, row), compared.ledger.rows
 
     def beside(found: Round) -> Round:
