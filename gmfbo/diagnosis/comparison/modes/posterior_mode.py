@@ -100,7 +100,7 @@ class ModeSearch:
         nuisances : ndarray, shape (q,), optional
             [standard deviations] Start.
         iterations : int
-            Most points with a Jacobian.
+            Most points with a Jacobian, but for those on the way from a start that is far off.
         settled : float
             [nats] Gain that is no longer worth a step.
         near : Fitted, optional
@@ -138,7 +138,7 @@ class ModeSearch:
         row : Fitted
             A fit of the same hypothesis.
         iterations : int
-            Most points with a Jacobian.
+            Most points with a Jacobian, but for those on the way from a start that is far off.
         settled : float
             [nats] Gain that is no longer worth a step.
         rival : float
@@ -163,8 +163,8 @@ class ModeSearch:
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
-        damping, cost = _DAMPING, self.cost(at)
-        for _ in range(iterations):
+        damping, cost, spent = _DAMPING, self.cost(at), 0
+        while spent < iterations:
             at, columns = self._with_finer_steps(at, columns)
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
@@ -180,7 +180,11 @@ class ModeSearch:
             if lower is None:
                 return self._ended(at, columns, promised < FAR_BEHIND)
             at, taken = lower
-            fall, cost = cost - self.cost(at), self.cost(at)
+            before, cost = cost, self.cost(at)
+            fall = before - cost
+            # Steps from a start that is far off do not count: `iterations` like this one would
+            # take all of the cost.
+            spent += not fall * iterations > before > 0.0
             damping = max(0.1 * taken.damping, 1e-7)
             columns = self._points.columns(at)
             if fall < AT_THE_END:
