@@ -28,7 +28,7 @@ def met_worse_with(names: Collection[str], squares: Squares) -> str | None:
 
 
 def without_name(case: Case, decision: Decision, name: str) -> Decision:
-    """Withdraw one effect; all else is fitted without it.
+    """Withdraw one effect; all else is fitted without it, and goes too where nothing fits.
 
     Parameters
     ----------
@@ -40,7 +40,9 @@ def without_name(case: Case, decision: Decision, name: str) -> Decision:
         The effect.
     """
     compared = decision.compared
-    row = row_without(decision, name) or decision.base
+    row = row_without(decision, name)
+    if row is None:
+        return without_names(case, decision, contradicted=True)
     model, fitted = measured(case.misfit, row), compared.ledger.rows
 
     def beside(found: Round) -> Round:
