@@ -10,6 +10,7 @@ from gmfbo.physics.excitation import Excitation
 _DEAD, _BOUNCING = 0.5, 0.05  # damping ratio of a contact
 _LEAST, _MOST = 0.005, 0.9  # the same
 _SMALL = 15.0  # units: gaps of machines
+_SOFT = 100.0  # times softer: gears, couplings and belts give as much as their play
 
 
 def _unit(excitation: Excitation) -> float:
@@ -23,9 +24,10 @@ def _stiffness(excitation: Excitation) -> float:
     return excitation.torque / (0.1 * _unit(excitation))
 
 
-def _damping(excitation: Excitation, ratio: float) -> float:
+def _damping(excitation: Excitation, ratio: float, softer: float = 1.0) -> float:
     # Motor and load of equal shares meet as a quarter of the inertia.
-    return 2.0 * ratio * math.sqrt(_stiffness(excitation) * 0.25 * excitation.shaft_inertia)
+    stiffness = _stiffness(excitation) / softer
+    return 2.0 * ratio * math.sqrt(stiffness * 0.25 * excitation.shaft_inertia)
 
 
 def _fixed(excitation: Excitation) -> Values:
@@ -34,14 +36,17 @@ def _fixed(excitation: Excitation) -> Values:
 
 def _starts(excitation: Excitation) -> list[Values]:
     unit, inertia = _unit(excitation), excitation.shaft_inertia
-    grid = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (80.0, 0.5), (6.0, 0.2))
+    hard = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (30.0, 0.5), (80.0, 0.5), (6.0, 0.2))
+    soft = ((6.0, 0.5), (15.0, 0.5), (30.0, 0.5), (80.0, 0.5))
     most = 0.2 * excitation.stroke
     return [
         {
             "gap": gap * unit,
             "load_inertia": share * inertia,
-            "damping": _damping(excitation, ratio),
+            "stiffness": _stiffness(excitation) / softer,
+            "damping": _damping(excitation, ratio, softer),
         }
+        for softer, grid in ((1.0, hard), (_SOFT, soft))
         for gap, share in grid
         for ratio in (_DEAD, _BOUNCING)
         if gap <= _SMALL or gap * unit < most
@@ -73,10 +78,19 @@ backlash = Effect(
     fixed=_fixed,
     own_nuisances=(
         EffectParameter(
+            "stiffness",
+            "Stiffness of the contact",
+            "torque/position",
+            low=lambda e: _stiffness(e) / _SOFT**1.5,
+            high=lambda e: 10.0 * _stiffness(e),
+            scale=_stiffness,
+            hidden=True,
+        ),
+        EffectParameter(
             "damping",
             "Damping of the contact",
             "torque/velocity",
-            low=lambda e: _damping(e, _LEAST),
+            low=lambda e: _damping(e, _LEAST, _SOFT),
             high=lambda e: _damping(e, _MOST),
             scale=lambda e: _damping(e, _BOUNCING),
             hidden=True,
