@@ -135,7 +135,7 @@ class Conclusion:
             curves=result.curves,
             augmentation=(
                 None
-                if result.nominal_is_better
+                if result.fit.twin_is_withheld
                 else augmentation_of(case, result.augmented, self.units)
             ),
         )
@@ -144,17 +144,7 @@ class Conclusion:
     def _notes(self) -> tuple[str, ...]:
         """Each remark once; those of unseen recordings are among the case's."""
         starts = told_starts(self.case, self.decision.model)
-        return tuple(dict.fromkeys((*self.case.notes, *starts, *self._no_twin)))
-
-    @property
-    def _no_twin(self) -> tuple[str, ...]:
-        """Why no corrected twin is handed back; nothing where one is."""
-        if not self.result.nominal_is_better:
-            return ()
-        return (
-            "no corrected twin is handed back: the twin as it came meets the held-out recordings "
-            "better",
-        )
+        return tuple(dict.fromkeys((*self.case.notes, *starts)))
 
     def _parameters(self, spread: Spread) -> dict[str, EstimatedParameter]:
         case, decision = self.case, self.decision

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.saving import save
+from gmfbo.diagnosis.result.cautions import withheld_twin
 from gmfbo.diagnosis.result.diagnosis_json import diagnosis_text, read_diagnosis
 from gmfbo.diagnosis.result.findings import Findings
 from gmfbo.diagnosis.result.sentence import verdict_sentence
@@ -94,6 +95,8 @@ class Diagnosis(Findings):
         """
         if self.augmentation is not None:
             return self.augmentation.opened(None if folder is None else Path(folder))
+        if self.fit.twin_is_withheld:
+            raise InputError(f"no augmented twin: {withheld_twin(self)}")
         if self.exported is not None:
             from gmfbo.sources.twin.twin import FmuTwin
 

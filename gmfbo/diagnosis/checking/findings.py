@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -43,6 +44,7 @@ _SHIFT = 0.5  # of a sample: a smaller shift is not reported
 _BY_CONTROLLER = (0.9, 0.95)  # least share by one error, where the rest is noise, and elsewhere
 _BY_TWIN = 0.9  # the same against the twin, where missing physics may look alike
 _SPOILING = {"still_column", "lost_rows", "repeated_samples", "latched_column", "clipped_column"}
+_UNJUDGED = "late or scaled columns of this recording, and its controller, were not judged"
 
 # Worst first: what makes everything after it wrong.
 _ORDER = (
@@ -89,9 +91,13 @@ def all_findings(
         faults = [*_still(case, k, name), *_of_clock(name, own.clock)]
         for signal, quality in own.columns.items():
             faults += _of_column(case, k, name, signal, quality)
-        if not any(fault.kind in _SPOILING for fault in faults):
-            # These faults come first: a spoiled column also seems late or scaled.
+        spoiling = next((i for i, one in enumerate(faults) if one.kind in _SPOILING), None)
+        if spoiling is None:
             faults += _of_alignment(case, name, own, views[k] if views else None)
+        else:
+            # A spoiled column also seems late or scaled.
+            one = faults[spoiling]
+            faults[spoiling] = replace(one, cure=f"{one.cure}; then check again: {_UNJUDGED}")
         found += faults
     if not any(own.reversals for own in facts.values()):
         found.append(

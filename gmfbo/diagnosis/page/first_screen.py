@@ -9,7 +9,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import STYLES, WORDS, before_and_after_panels
-from gmfbo.diagnosis.result.certainty import claim_of_set, is_sure
+from gmfbo.diagnosis.result.certainty import are_sure, claim_of_set, is_sure
 from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,
@@ -102,6 +102,8 @@ def verdict_words(diagnosis: Findings) -> str:
     told = VERDICTS[diagnosis.verdict]
     if diagnosis.verdict == "outside_library" and sure and explains_most(diagnosis.remainder):
         return "known and unknown physics"
+    if diagnosis.verdict == "parameters" and not are_sure(diagnosis):
+        return "parameters may explain it"
     return told if sure or diagnosis.verdict != "missing_physics" else "physics may be missing"
 
 

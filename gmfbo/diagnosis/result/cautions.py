@@ -49,6 +49,15 @@ def _drift(drifts: Mapping[str, float], unit: str) -> str:
     return f"varies between {told[low]} and {told[high]}"
 
 
+def withheld_twin(diagnosis: Findings) -> str:
+    """A sentence on a twin that is not handed back; empty where one is."""
+    if not diagnosis.fit.twin_is_withheld:
+        return ""
+    return (
+        "No corrected twin is handed back: the twin as it came meets the unseen recordings better."
+    )
+
+
 def not_compared(diagnosis: Findings) -> str:
     """A sentence about outputs that a recording does not hold; empty where all were compared."""
     first, *others = diagnosis.not_compared or ("",)

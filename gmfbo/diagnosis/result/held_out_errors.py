@@ -58,6 +58,8 @@ class Fit:
         [nats] By how much the held-out recordings are likelier by the model than by the refitted
         twin, and the standard error of that over stretches. None where nothing is named, and in
         diagnoses made before it was told.
+    twin_is_withheld : bool
+        Whether no corrected twin is handed back, since these recordings prefer it as it came.
     """
 
     fitted_on: tuple[str, ...]
@@ -66,6 +68,7 @@ class Fit:
     explainable_error_removed: float | None = None
     log_density_gain: float | None = None
     gain_error: float | None = None
+    twin_is_withheld: bool = False
 
     @property
     def most_improved(self) -> str | None:

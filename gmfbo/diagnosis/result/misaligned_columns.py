@@ -13,15 +13,34 @@ if TYPE_CHECKING:
 
 
 def misaligned_sentence(diagnosis: Findings) -> str:
-    """Say that columns were logged wrongly, or a law is missing; empty where no law rivals them."""
+    """Say that columns were logged wrongly, or a law is missing; empty where none is far off.
+
+    A column without a law that would explain the same is told where no physics is: beside physics
+    that is missing it takes the sign of that.
+    """
     rivals = dict.fromkeys(one.rival for one in diagnosis.alignment.values() if one.rival)
-    return " ".join(_either_or(diagnosis, rival) for rival in rivals)
+    told = [_either_or(diagnosis, rival) for rival in rivals]
+    if diagnosis.verdict in ("none", "parameters"):
+        told += _alone(diagnosis)
+    return " ".join(told)
+
+
+def _alone(diagnosis: Findings) -> list[str]:
+    off = [
+        f"{words(name)} was logged {_off(one, _unit(diagnosis, name))}"
+        for name, one in diagnosis.alignment.items()
+        if one.beyond_prior and not one.rival
+    ]
+    if not off:
+        return []
+    told = f"{' and '.join(off)}, which is more than usual"
+    what = "that column" if len(off) == 1 else "those columns"
+    return [f"{told[0].upper()}{told[1:]}: correct {what}, and diagnose again."]
 
 
 def _either_or(diagnosis: Findings, rival: str) -> str:
-    units = {curve.signal: curve.unit for curve in diagnosis.curves}
     columns = " and ".join(
-        f"{words(name)} was logged {_off(one, units.get(name, ''))}"
+        f"{words(name)} was logged {_off(one, _unit(diagnosis, name))}"
         for name, one in diagnosis.alignment.items()
         if one.rival == rival
     )
@@ -29,6 +48,10 @@ def _either_or(diagnosis: Findings, rival: str) -> str:
         f"Either {columns}, which is more than usual, or {words(rival)} is missing from the twin: "
         "that explains the recordings as well."
     )
+
+
+def _unit(diagnosis: Findings, signal: str) -> str:
+    return next((curve.unit for curve in diagnosis.curves if curve.signal == signal), "")
 
 
 def _off(one: Alignment, unit: str) -> str:

@@ -6,8 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from gmfbo.diagnosis.result.cautions import not_compared, range_ends, too_narrow_ranges
-from gmfbo.diagnosis.result.certainty import is_sure
+from gmfbo.diagnosis.result.cautions import (
+    not_compared,
+    range_ends,
+    too_narrow_ranges,
+    withheld_twin,
+)
+from gmfbo.diagnosis.result.certainty import are_sure, is_sure
 from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,
     explains_most,
@@ -42,7 +47,7 @@ def verdict_sentence(diagnosis: Findings) -> str:
     # What a range holds back could do what is missing: it is said before anything is blamed.
     parts = (narrow, ends, told) if diagnosis.verdict == "outside_library" else (narrow, told, ends)
     # What was not looked at comes before anything that is called right.
-    return " ".join(filter(None, (not_compared(diagnosis), *parts)))
+    return " ".join(filter(None, (not_compared(diagnosis), *parts, withheld_twin(diagnosis))))
 
 
 def _nothing(diagnosis: Findings) -> str:
@@ -55,13 +60,13 @@ def _nothing(diagnosis: Findings) -> str:
     )
     where = "In what was compared, nothing" if diagnosis.not_compared else "Nothing"
     nominal = {name: fit.nominal for name, fit in fits.items()}
+    uncorrected = _uncorrected(diagnosis, "nominal")
     if left := _left_over(diagnosis, nominal):
-        return f"{where} that is known here is missing, though {left}."
-    return (
-        f"{where} is missing: the twin meets unseen recordings to the noise ({errors})."
-        if (errors)
-        else f"{where} is missing: the twin meets the recordings to the noise."
-    )
+        return f"{where} that is known here is missing, though {left}.{uncorrected}"
+    if not errors:
+        return f"{where} is missing: the twin meets the recordings to the noise."
+    met = f"the twin meets unseen recordings to the noise ({errors})"
+    return f"{where} is missing: {met}.{uncorrected}"
 
 
 def _parameters(diagnosis: Findings) -> str:
@@ -89,7 +94,26 @@ def _parameters(diagnosis: Findings) -> str:
     if too_narrow_ranges(diagnosis):
         return f"With such values the twin explains the difference{told}; {missing}."
     whose = "" if any(one.fixed for one in moved.values()) else "uncertain "
-    return f"The twin's {whose}values explain the difference{told}; {missing}."
+    verb = "explain" if are_sure(diagnosis) else "may explain"
+    model = "augmented" if any(one.fixed for one in moved.values()) else "parameters_only"
+    uncorrected = _uncorrected(diagnosis, model)
+    return f"The twin's {whose}values {verb} the difference{told}; {missing}.{uncorrected}"
+
+
+def _uncorrected(diagnosis: Findings, model: str) -> str:
+    """Sentence on an open-loop twin that is far off once nothing corrects it; else empty."""
+    off = {}
+    for name, fit in diagnosis.fit.signals.items():
+        free = math.nan if fit.free_run is None else getattr(fit.free_run, model)
+        if free > _FAR_ABOVE * max(getattr(fit, model), fit.noise_floor):
+            off[name] = free
+    if not off:
+        return ""
+    worst = max(off, key=lambda name: off[name])
+    return (
+        f" Over whole recordings, where nothing corrects the twin, the {words(worst)} error is "
+        f"{percent(off[worst])}."
+    )
 
 
 def _left_over(diagnosis: Findings, errors: Mapping[str, float]) -> str:
@@ -164,8 +188,10 @@ def _outside(diagnosis: Findings) -> str:
         if explains_most(diagnosis.remainder):
             return _physics(diagnosis)
         nearest = " ".join(effect.statement for effect in diagnosis.effects)
-        return f"None of the {which} explains all that is missing. The nearest: {nearest}"
-    return f"Something is missing that is none of the {which}{_function(diagnosis)}."
+        told = f"None of the {which} explains all that is missing. The nearest: {nearest}"
+        return " ".join(filter(None, (told, _freed(diagnosis))))
+    told = f"Something is missing that is none of the {which}{_function(diagnosis)}."
+    return " ".join(filter(None, (told, _freed(diagnosis))))
 
 
 def _function(diagnosis: Findings) -> str:

@@ -64,8 +64,6 @@ class Validated:
     gains_nothing : bool
         Whether they are met no better with it: it changes them, as much is left beyond noise as
         without, and they do not contradict the twin without it.
-    nominal_is_better : bool
-        Whether they prefer the twin as it came, or each of their signals is met worse than by it.
     squares : Squares
         What the held-out stretches leave.
     """
@@ -79,7 +77,6 @@ class Validated:
     part: Part
     contradicts_names: bool
     gains_nothing: bool
-    nominal_is_better: bool
     squares: Squares
 
 
@@ -246,8 +243,18 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     distance, nominal = _distance(seen.before, seen.after), seen.nominal(case.nominal)
     squares, gains = seen.squares(), gains_on(seen.before, seen.after)
     removed = squares.removed if distance > SAME else None
-    gain = (float(gains.sum()), _error_of(gains)) if shown is not None else (None, None)
-    table = Fit(told.split.names_fitted, told.split.names_held_out, signals, removed, *gain)
+    is_withheld = contradicts_names(
+        gains_on(nominal, seen.after), _distance(nominal, seen.after)
+    ) or {_is_worse(one) for one in signals.values()} == {True}
+    table = Fit(
+        told.split.names_fitted,
+        told.split.names_held_out,
+        signals,
+        removed,
+        None if shown is None else float(gains.sum()),
+        None if shown is None else _error_of(gains),
+        is_withheld,
+    )
     return Validated(
         table,
         _curves(case, told.plain, shown),
@@ -258,10 +265,14 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         part,
         contradicts_names(gains, distance),
         distance > SAME and squares.gain_nothing and not contradicts_names(-gains, distance),
-        contradicts_names(gains_on(nominal, seen.after), _distance(nominal, seen.after))
-        or {one.augmented > one.nominal for one in signals.values()} == {True},
         squares,
     )
+
+
+def _is_worse(errors: SignalFit) -> bool:
+    """Whether a signal is met worse than by the twin as it came."""
+    named = np.isfinite(errors.augmented)
+    return (errors.augmented if named else errors.parameters_only) > errors.nominal
 
 
 def contradicts_names(gains: NDArray[np.float64], distance: float) -> bool:

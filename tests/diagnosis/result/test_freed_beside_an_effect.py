@@ -10,7 +10,7 @@ from gmfbo.cli.diagnosis.diagnosis_screen import screenful
 from gmfbo.diagnosis import Diagnosis
 from gmfbo.diagnosis.page.page import diagnosis_page
 from gmfbo.diagnosis.result.estimated import EstimatedParameter
-from tests.diagnosis.example_diagnoses import friction, parameters
+from tests.diagnosis.example_diagnoses import friction, outside, parameters
 
 FREED = EstimatedParameter(
     0.2, 0.1213, "kg.m2", 0.1192, 0.1231, stated="ax7.toml, line 14", fixed=True
@@ -53,3 +53,17 @@ def test_control_an_uncertain_parameter_is_never_called_fixed() -> None:
     assert "fixed in" not in " ".join(screenful(made))
     assert "fixed in" not in page_text(made)
     assert "in the twin 0.2" not in page_text(made).partition("The twin's own values")[0]
+
+
+def test_a_fixed_parameter_that_is_not_sure_is_no_fact() -> None:
+    unsure = replace(parameters(), parameters={"mech.J": replace(FREED, probability=0.62)})
+    assert unsure.sentence.startswith("The twin's values may explain the difference: mech.J may be")
+    assert "parameters may explain it" in page_text(unsure)
+    sure = replace(parameters(), parameters={"mech.J": replace(FREED, probability=0.9)})
+    assert sure.sentence.startswith("The twin's values explain the difference: mech.J is 0.121")
+
+
+def test_a_freed_parameter_is_told_beside_what_nothing_explains() -> None:
+    told = replace(outside(), parameters={"mech.J": FREED}).sentence
+    assert "Something is missing" in told
+    assert "mech.J is 0.121 kg m2 instead of 0.2 (fixed in ax7.toml, line 14)." in told

@@ -8,10 +8,11 @@ from dataclasses import replace
 import pytest
 
 from gmfbo.cli.diagnosis.diagnosis_screen import screenful
+from gmfbo.diagnosis import Diagnosis
 from gmfbo.diagnosis.page.page import diagnosis_page
 from gmfbo.diagnosis.result.estimated import Alignment
 from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
-from tests.diagnosis.example_diagnoses import friction, late
+from tests.diagnosis.example_diagnoses import friction, late, nothing, parameters
 
 SAID = (
     "Either torque command was logged 2.9 ms early, which is more than usual, or transport delay "
@@ -57,3 +58,14 @@ def test_two_columns_with_one_rival_are_one_sentence() -> None:
     made = replace(late(), alignment={"position": one, "torque_command": one})
     assert misaligned_sentence(made).count("Either") == 1
     assert "position was logged 2.9 ms early and torque command" in misaligned_sentence(made)
+
+
+@pytest.mark.parametrize("found", [nothing(), parameters()])
+def test_a_late_column_is_told_where_no_physics_is(found: Diagnosis) -> None:
+    far = Alignment("held", 3e-3, 1.0, 0.0, None, {"shift": 28.6})
+    told = "Position was logged 3 ms late, which is more than usual: correct that column"
+    made = replace(found, alignment={"position": far})
+    assert told in misaligned_sentence(made)
+    assert told in " ".join(" ".join(screenful(made)).split())
+    within = replace(far, beyond_prior={})
+    assert misaligned_sentence(replace(found, alignment={"position": within})) == ""

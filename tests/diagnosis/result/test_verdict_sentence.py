@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from gmfbo.diagnosis import Diagnosis
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
-from gmfbo.diagnosis.result.explained import Remainder, Resembled
+from gmfbo.diagnosis.result.explained import FreeRun, Remainder, Resembled
 from gmfbo.diagnosis.result.held_out_errors import SignalFit
 from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.physics import CATALOGUE
@@ -234,3 +235,14 @@ def test_a_fixed_value_is_told_no_surer_than_it_is() -> None:
     assert "filter_time is 1.6 ms instead of 1" in sure.sentence
     beside = replace(friction(), parameters={"filter_time": weak})
     assert beside.statement_probability == 0.94 * 0.62
+
+
+@pytest.mark.parametrize("found", [nothing(), parameters()])
+def test_an_open_loop_twin_that_runs_away_uncorrected_is_told(found: Diagnosis) -> None:
+    def met(free: float) -> Diagnosis:
+        fit = replace(found.fit.signals["position"], free_run=FreeRun(free, free, float("nan")))
+        return replace(found, fit=replace(found.fit, signals={"position": fit}))
+
+    told = "Over whole recordings, where nothing corrects the twin, the position error is 31 %."
+    assert told in met(0.31).sentence
+    assert "Over whole recordings" not in met(0.002).sentence
