@@ -161,14 +161,15 @@ def _probe_torque_along(
         moved = run.response.states.get("position", np.zeros(grid.size)) - states.get(
             "position", np.zeros(grid.size)
         )
-        if np.abs(moved[-1]) > 0.5 * np.abs(moved).max() > 0.0 and _drifts(moved, half):
-            return Stiffness(np.nan, np.nan, np.nan, True, _inertia(moved, grid, push, half))
         answer = _answer(run, base[k], half)
+        command, extent = answer or (np.zeros(grid.size), 1.0)
+        share = float(np.abs(np.median(command[half // 2 : half]))) / extent
+        # A loop at its limit lets the shaft go too: only one that has not come near is none.
+        if share < _PROBE_SHARES[1] and _leaves(moved, half):
+            return Stiffness(np.nan, np.nan, np.nan, True, _inertia(moved, grid, push, half))
         if answer is None:
             times = _time_constant(moved, grid, half), _rest_time([moved], grid, half)
             return Stiffness(np.nan, *times, False, None)
-        command, extent = answer
-        share = float(np.abs(np.median(command[half // 2 : half]))) / extent
         if _PROBE_SHARES[0] < share < _PROBE_SHARES[1]:
             ratio = push / float(np.abs(np.median(command[half // 2 : half])))
             times = _time_constant(command, grid, half), _rest_time([moved, command], grid, half)
@@ -177,9 +178,10 @@ def _probe_torque_along(
     return Stiffness(np.nan, np.nan, np.nan, False, None)
 
 
-def _drifts(moved: NDArray[np.float64], half: int) -> bool:
+def _leaves(moved: NDArray[np.float64], half: int) -> bool:
     """Whether the shaft never returns after a push: no nearer at the end than at half time."""
-    return bool(np.abs(moved[-1]) >= 0.9 * np.abs(moved[half - 1]))
+    end, most = float(np.abs(moved[-1])), float(np.abs(moved).max())
+    return most > 0.0 and end > 0.5 * most and end >= 0.9 * float(np.abs(moved[half - 1]))
 
 
 def _inertia(
