@@ -221,7 +221,9 @@ class Conclusion:
 
     def _verdict(self, tests: Sequence[ResidualTest]) -> Verdict:
         decision = self.decision
-        if decision.is_outside or self._is_mismatch(tests):
+        left = self.result.squares.remainder
+        explains_little = bool(decision.rounds) and left is not None and left > MOST
+        if decision.is_outside or explains_little or self._is_mismatch(tests):
             return "outside_library"
         if decision.rounds:
             return "missing_physics"

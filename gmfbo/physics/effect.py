@@ -231,6 +231,9 @@ class Effect:
     gone : callable (parameters, Excitation) -> mapping
         Of an effect without a size that may be zero: parameters nearest to these ones, other than
         they are there, at which it changes nothing.
+    begins_whole : bool
+        Whether a fit that begins with less of it ends with next to none: it begins at its starts
+        as they are, and at several of them.
     size : callable (parameters, Excitation) -> float
         Size of the effect, at least 0.
     size_name, size_unit : str
@@ -299,6 +302,7 @@ class Effect:
     fixed: Callable[[Excitation], Values] = _nothing_fixed
     more_starts: Callable[[Excitation], Sequence[Values]] = _no_more
     gone: Callable[[Values, Excitation], Values] = _nowhere_gone
+    begins_whole: bool = False
     own_nuisances: tuple[EffectParameter, ...] = ()
     signal: Callable[[States, Values], Array] | None = None
     feature: Callable[[States], Array] | None = None

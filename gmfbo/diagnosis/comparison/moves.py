@@ -17,7 +17,7 @@ from gmfbo.sources.twin.uncertain import Uncertain
 Array = NDArray[np.float64]
 
 _FREED_STEP = 0.15  # of the value of a freed parameter
-_OTHERS = 3  # further starts of a limit that are fitted
+_OTHERS = 3  # further starts of a limit, or of a gap, that are fitted
 _SHOWN = 1.0  # whitened square of a start that these recordings do not show
 _MOST = 1.6  # times the start: beyond it a straight line says little
 
@@ -75,8 +75,11 @@ class Element:
         ]
 
     def can_shrink(self, hypothesis: Hypothesis) -> bool:
-        """Whether an effect may begin with less of it: it has a size, or knows where it is gone."""
-        if self.candidate is None:
+        """Whether an effect may begin with less of it: it has a size, or knows where it is gone.
+
+        One whose starts lie apart may not.
+        """
+        if self.candidate is None or self.candidate.law.begins_whole:
             return False
         excitation = hypothesis.setting.excitation
         return bool(self.sizes(hypothesis) or self.candidate.law.gone(self._values, excitation))
@@ -139,8 +142,8 @@ class Move:
     gain : float
         [nats] Of the linear refit.
     others : tuple of Element
-        Next best starts of a limit: each cuts at another instant, and no fit leads from one to
-        another.
+        Next best starts of a limit or a gap: each cuts or strikes at another instant, and no fit
+        leads from one to another.
     """
 
     element: Element
@@ -286,9 +289,11 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
 
 
 def _first_of(moves: Sequence[Move], hypothesis: Hypothesis) -> Move:
-    """Best move of an element, with the next ones where it is a limit."""
+    """Best move of an element, with the next ones where one fit does not lead to all of them."""
     first, *others = sorted(moves, key=lambda move: -move.gain)
-    if first.element.sizes(hypothesis) or not first.element.can_shrink(hypothesis):
+    element = first.element
+    is_limit = not element.sizes(hypothesis) and element.can_shrink(hypothesis)
+    if not (is_limit or (element.candidate is not None and element.candidate.law.begins_whole)):
         return first
     return replace(first, others=tuple(move.element for move in others[:_OTHERS]))
 

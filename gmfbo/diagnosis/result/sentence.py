@@ -189,7 +189,10 @@ def _outside(diagnosis: Findings) -> str:
             return _physics(diagnosis)
         nearest = " ".join(effect.statement for effect in diagnosis.effects)
         told = f"None of the {which} explains all that is missing. The nearest: {nearest}"
-        return " ".join(filter(None, (told, _freed(diagnosis))))
+        improved = _improvement(diagnosis)
+        with_it = "it" if len(diagnosis.effects) == 1 else "them"
+        change = f"With {with_it} {improved}." if improved else ""
+        return " ".join(filter(None, (told, change, _freed(diagnosis))))
     told = f"Something is missing that is none of the {which}{_function(diagnosis)}."
     return " ".join(filter(None, (told, _freed(diagnosis))))
 

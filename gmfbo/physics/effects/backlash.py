@@ -36,7 +36,16 @@ def _fixed(excitation: Excitation) -> Values:
 
 def _starts(excitation: Excitation) -> list[Values]:
     unit, inertia = _unit(excitation), excitation.shaft_inertia
-    hard = ((0.7, 0.5), (2.5, 0.5), (6.0, 0.5), (15.0, 0.5), (30.0, 0.5), (80.0, 0.5), (6.0, 0.2))
+    hard = (
+        (0.2, 0.5),
+        (0.7, 0.5),
+        (2.5, 0.5),
+        (6.0, 0.5),
+        (15.0, 0.5),
+        (30.0, 0.5),
+        (80.0, 0.5),
+        (6.0, 0.2),
+    )
     soft = ((6.0, 0.5), (15.0, 0.5), (30.0, 0.5), (80.0, 0.5))
     most = 0.2 * excitation.stroke
     return [
@@ -98,6 +107,7 @@ backlash = Effect(
     ),
     starts=_starts,
     inertia_share=True,
+    begins_whole=True,
     size=lambda p, e: p["gap"],
     size_name="gap",
     size_unit="position",
