@@ -75,10 +75,7 @@ class Element:
         ]
 
     def can_shrink(self, hypothesis: Hypothesis) -> bool:
-        """Whether an effect may begin with less of it: it has a size, or knows where it is gone.
-
-        One whose starts lie apart may not.
-        """
+        """Whether an effect may begin with less of it: it has a size, or knows where it is gone."""
         if self.candidate is None or self.candidate.law.begins_whole:
             return False
         excitation = hypothesis.setting.excitation
@@ -142,8 +139,7 @@ class Move:
     gain : float
         [nats] Of the linear refit.
     others : tuple of Element
-        Next best starts of a limit or a gap: each cuts or strikes at another instant, and no fit
-        leads from one to another.
+        Next best starts of a limit or a gap: no fit leads from one instant of it to another.
     """
 
     element: Element
