@@ -51,7 +51,9 @@ def test_a_statement_has_a_number_with_its_unit(effect: Effect, units: Units) ->
     excitation = TYPICAL if units is ROTARY else LINEAR
     text = effect.statement(effect.starts(excitation)[0], units, units.place)
     check_sentence(text)
-    assert re.search(r"\d (%|m?N\b|m?V|[mu]?m\b|m?rad|[mu]?s\b|kg|Hz|cycles|of the command)", text)
+    assert re.search(
+        r"\d (%|m?N\b|m?V|[mu]?m\b|[mu]?rad|[mu]?s\b|kg|Hz|cycles|of the command)", text
+    )
 
 
 @each_effect

@@ -35,29 +35,23 @@ def _fixed(excitation: Excitation) -> Values:
 
 
 def _starts(excitation: Excitation) -> list[Values]:
-    unit, inertia = _unit(excitation), excitation.shaft_inertia
-    hard = (
-        (0.2, 0.5),
-        (0.7, 0.5),
-        (2.5, 0.5),
-        (6.0, 0.5),
-        (15.0, 0.5),
-        (30.0, 0.5),
-        (80.0, 0.5),
-        (6.0, 0.2),
+    unit, most = _unit(excitation), 0.2 * excitation.stroke
+    # Small gaps show where their load bounces, large ones where it does not strike hard.
+    grid = (
+        (1.0, _BOUNCING, (0.2, 0.7, 2.5)),
+        (1.0, _DEAD, (0.7, 2.5, 6.0, 15.0)),
+        (_SOFT, _DEAD, (6.0, 15.0, 30.0, 80.0)),
+        (_SOFT, _BOUNCING, (30.0,)),
     )
-    soft = ((6.0, 0.5), (15.0, 0.5), (30.0, 0.5), (80.0, 0.5))
-    most = 0.2 * excitation.stroke
     return [
         {
             "gap": gap * unit,
-            "load_inertia": share * inertia,
+            "load_inertia": 0.5 * excitation.shaft_inertia,
             "stiffness": _stiffness(excitation) / softer,
             "damping": _damping(excitation, ratio, softer),
         }
-        for softer, grid in ((1.0, hard), (_SOFT, soft))
-        for gap, share in grid
-        for ratio in (_DEAD, _BOUNCING)
+        for softer, ratio, gaps in grid
+        for gap in gaps
         if gap <= _SMALL or gap * unit < most
     ]
 
