@@ -29,7 +29,7 @@ def _damping(stiffness: float, excitation: Excitation) -> float:
 
 
 def _starts(excitation: Excitation) -> list[Values]:
-    stiffnesses = [_stiffness(excitation, along) for along in (0.2, 0.4, 0.6, 0.8)]
+    stiffnesses = [_stiffness(excitation, along) for along in (0.2, 0.5, 0.8)]
     load = _SHARE * excitation.shaft_inertia
     return [
         {"stiffness": k, "load_inertia": load, "damping": _damping(k, excitation)}
