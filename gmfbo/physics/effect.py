@@ -232,8 +232,7 @@ class Effect:
         Of an effect without a size that may be zero: parameters nearest to these ones, other than
         they are there, at which it changes nothing.
     begins_whole : bool
-        Whether a fit that begins with less of it ends with next to none: it begins at its starts
-        as they are, and at several of them.
+        Whether a fit that begins with less of it ends with next to none.
     size : callable (parameters, Excitation) -> float
         Size of the effect, at least 0.
     size_name, size_unit : str

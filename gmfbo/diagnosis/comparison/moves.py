@@ -17,7 +17,7 @@ from gmfbo.sources.twin.uncertain import Uncertain
 Array = NDArray[np.float64]
 
 _FREED_STEP = 0.15  # of the value of a freed parameter
-_OTHERS = 3  # further starts of a limit, or of a gap, that are fitted
+_OTHERS = 3  # further starts of a limit that are fitted
 _SHOWN = 1.0  # whitened square of a start that these recordings do not show
 _MOST = 1.6  # times the start: beyond it a straight line says little
 
@@ -139,7 +139,8 @@ class Move:
     gain : float
         [nats] Of the linear refit.
     others : tuple of Element
-        Next best starts of a limit or a gap: no fit leads from one instant of it to another.
+        Next best starts of a limit: each cuts at another instant, and no fit leads from one to
+        another.
     """
 
     element: Element
@@ -285,11 +286,9 @@ def ranked(whitening: Whitening, about: Fitted, found: Sequence[Response]) -> li
 
 
 def _first_of(moves: Sequence[Move], hypothesis: Hypothesis) -> Move:
-    """Best move of an element, with the next ones where one fit does not lead to all of them."""
+    """Best move of an element, with the next ones where it is a limit."""
     first, *others = sorted(moves, key=lambda move: -move.gain)
-    element = first.element
-    is_limit = not element.sizes(hypothesis) and element.can_shrink(hypothesis)
-    if not (is_limit or (element.candidate is not None and element.candidate.law.begins_whole)):
+    if first.element.sizes(hypothesis) or not first.element.can_shrink(hypothesis):
         return first
     return replace(first, others=tuple(move.element for move in others[:_OTHERS]))
 
