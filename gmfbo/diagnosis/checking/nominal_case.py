@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.case.open_case import open_case
+from gmfbo.diagnosis.checking.compared_command import ComparedCommand
 from gmfbo.diagnosis.fitting.fit import fit
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 from gmfbo.diagnosis.locating.parities import CLEARLY, Parities, parities
@@ -94,13 +93,11 @@ def _logged_as(case: Case, checked: Parities) -> str | None:
     if checked.controller is None or command is None or not checked.logged:
         return None
     told: list[tuple[float, float, str]] = []
-    for record, run in zip(case.simulations.records, checked.held, strict=True):
-        signal = next(s for s in record.signals if s.name == command)
-        extent = float(np.var(signal.values)) or 1.0
+    for k, run in enumerate(checked.held):
         left = {}
-        for which, columns in (("held", run.response.held), ("new", run.response.new)):
-            computed = np.interp(signal.time, record.plan.grid, columns[command])
-            left[which] = float(np.mean((signal.values - computed) ** 2)) / extent
+        for which in ("held", "new"):
+            compared = ComparedCommand(case, k, command, which, checked.memories[k])
+            left[which] = compared.share_left(run.response)
         if left["held"] != left["new"]:
             least, most = sorted(left.values())
             told.append((least, most, min(left, key=lambda which: left[which])))
