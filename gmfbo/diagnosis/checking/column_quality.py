@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from gmfbo.diagnosis.checking.result import ClockQuality
-from gmfbo.diagnosis.runs.scored_record import resolution
+from gmfbo.diagnosis.runs.quantum import resolution
 from gmfbo.diagnosis.scoring.noise_levels import fast_power
 
 Array = NDArray[np.float64]
@@ -19,10 +19,6 @@ _AROUND = 11  # rows whose median gives the usual step around a row
 _QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
 _ONE = 1.9  # quanta below which a step is one; its quantum may be rounded itself
 _NEARBY = 50  # rows; a reading that repeats one of five shows it within as many
-_FEWEST = 10  # steps of which a quantum is told
-_MOST_QUANTA = 4.5  # of a step that is compared with multiples of its quantum
-_UNEVEN = 0.1  # quanta by which such a step may differ from a whole number of them
-_WHOLE = 0.9  # share of such steps
 _NOISE_FREE = 0.1  # of the usual step: less noise does not hide whether a signal catches up
 _CHANCE = 4.0  # standard deviations of the number of repeats that rounding makes
 _LATCHED = 1.8  # rows for which a value stays: above it, the column is sampled more slowly
@@ -85,7 +81,6 @@ def repeated_rows(
     if left_out is not None:
         inside &= ~left_out[1:]
     still = (steps == 0.0) & inside
-    quantum = quantum or _finest_quantum(steps)
     if not quantum and _come_back(values) >= max(1, int(np.count_nonzero(still & (usual > 0.0)))):
         quantum = float(steps[steps > 0.0].min())
     moving = usual > _QUANTA * quantum
@@ -136,23 +131,6 @@ def _sticking(steps: Array, usual: Array, noise: float) -> NDArray[np.bool_]:
         caught_up = 0.5 * (1.0 + (end - start + 1.0)) * usual[start:end]
         found[start:end] = (noise < _NOISE_FREE * usual[start:end]) & (after < caught_up)
     return found
-
-
-def _finest_quantum(steps: Array) -> float:
-    """Quantum of which the short steps are multiples; 0 where they are not.
-
-    Counts of an encoder that are written with few digits are no multiples of anything: over many
-    quanta the errors of the digits add up. One quantum is told from two all the same.
-    """
-    moving = steps[steps > 0.0]
-    if moving.size < _FEWEST:
-        return 0.0
-    quantum = float(np.median(moving[moving < 1.5 * moving.min()]))
-    shares = moving[moving < _MOST_QUANTA * quantum] / quantum
-    whole = np.abs(shares - np.round(shares)) < _UNEVEN
-    several = np.mean(shares > 1.5) > 1.0 - _WHOLE  # a steady speed is one long step, no quantum
-    is_grid = shares.size >= _FEWEST and whole.mean() > _WHOLE and several
-    return quantum if is_grid else 0.0
 
 
 def _come_back(values: Array) -> int:

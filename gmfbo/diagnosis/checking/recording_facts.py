@@ -29,7 +29,8 @@ from gmfbo.diagnosis.checking.result import (
 )
 from gmfbo.diagnosis.checking.seen_alignment import ControllerView, against_twin
 from gmfbo.diagnosis.runs.measured_excitation import reversals, states_of
-from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, resolution
+from gmfbo.diagnosis.runs.quantum import resolution
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS
 from gmfbo.diagnosis.scoring.noise_levels import fast_power
 from gmfbo.physics import States
 from gmfbo.recordings.recording import Recording

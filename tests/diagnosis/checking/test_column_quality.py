@@ -17,7 +17,7 @@ from gmfbo.diagnosis.checking.column_quality import (
     refresh_rows,
     repeated_rows,
 )
-from gmfbo.diagnosis.runs.scored_record import resolution
+from gmfbo.diagnosis.runs.quantum import resolution
 
 TIME = np.arange(2000, dtype=np.float64) * 1e-3
 NOWHERE = np.array([], dtype=np.int64)

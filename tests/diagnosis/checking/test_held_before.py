@@ -73,7 +73,7 @@ def recorded(
     folder: Path, controller: Mapping[str, float], *, before: float = HELD_S
 ) -> list[Recording]:
     """The arm carries a load; the first row comes `before` seconds [s] after the drive is on."""
-    time = 1e-3 * np.arange(3000)
+    time = np.arange(3000, dtype=np.float64) * 1e-3
     asked = 0.3 * np.sin(2.0 * np.pi * 0.7 * time) + 0.2 * np.sin(2.0 * np.pi * 1.9 * time)
     noise = 3e-5 * np.random.default_rng(3).standard_normal(time.size)
     twin = arm(folder, controller, 'torque = "motor.tau_load"')
