@@ -175,7 +175,9 @@ def _quality(
         repeated = repeated_rows(values, quantum, rounded).size
         # An end stop holds a position at rest, a limit anything else while the axis accelerates.
         speed = np.interp(recording.time[known], states.time, states.velocity)
-        clipped = clipped_rows(values, quantum, None if name in case.rig.positions else speed)
+        is_position = name in case.rig.positions
+        own = None if is_position else speed
+        clipped = clipped_rows(values, quantum, own, is_position=is_position)
     places = np.diff(known)
     usual = np.median(places)
     extent = float(np.ptp(values))
@@ -204,10 +206,19 @@ def _near_rounding(case: Case, recording: Recording, name: str, times: Array) ->
         if reading in recording.signals:
             known = np.flatnonzero(np.isfinite(recording.signal(reading)))
             values = recording.signal(reading)[known]
-            still = np.flatnonzero(np.diff(values) == 0.0) + 1
-            rounded = np.setdiff1d(still, repeated_rows(values, resolution(values)))
-            found |= near_rounding(times, recording.time[known[rounded]])
+            rows, quantum = recording.time[known], resolution(values)
+            found |= near_rounding(times, rows, values, quantum, _asked(case, recording, rows))
     return found
+
+
+def _asked(case: Case, recording: Recording, times: Array) -> Array | None:
+    """Recorded reference at these times [s]; None where none was recorded."""
+    name = reference_of(case.twin)
+    if name is None or name not in recording.signals:
+        return None
+    known = np.isfinite(recording.signal(name))
+    asked = np.interp(times, recording.time[known], recording.signal(name)[known])
+    return np.asarray(asked, dtype=np.float64)
 
 
 def _readings(case: Case, name: str) -> list[str]:
