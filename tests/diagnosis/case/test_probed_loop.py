@@ -69,7 +69,7 @@ def test_a_push_beyond_the_drives_limit_is_no_proof_of_an_open_loop(
     if not is_wired:
         text = text.replace('"controller.measured" = "motor.position"\n', "")
     (path := tmp_path / "twin.toml").write_text(text, encoding="utf-8")
-    clock = np.arange(1000) * 2e-3
+    clock = np.arange(1000, dtype=np.float64) * 2e-3
     motion = {"reference": 0.5 * np.sin(2.0 * np.pi * 1.5 * clock)}
     with FmuTwin(path) as twin:
         run = twin.run({}, Recording(time=clock, signals=motion))
