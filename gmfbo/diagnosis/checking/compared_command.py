@@ -80,6 +80,17 @@ class ComparedCommand:
         left = beside_memory(difference, answers.T)
         return float(np.nanmean(left**2)) / (float(np.var(signal.values)) or 1.0)
 
+    @property
+    def row(self) -> float:
+        """[s] Between two rows of the command."""
+        return self._signal().spacing
+
+    def shift_left(self, expected: Array) -> float:
+        """[s] Small delay of the recorded command that explains most of the difference."""
+        rate = self.means(np.gradient(expected, self.grid))
+        power = float(rate @ rate)
+        return -float(rate @ self.residual(expected)) / power if power else 0.0
+
     def held_throughout(self, expected: Array, least: float) -> float:
         """Constant [SI] by which the memory may have changed the command; 0 where it is less.
 

@@ -20,7 +20,7 @@ from gmfbo.diagnosis.checking.result import (
 )
 from gmfbo.diagnosis.checking.seen_alignment import ControllerView
 from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
-from gmfbo.plain_words import number, percent, quantity
+from gmfbo.plain_words import listed, number, percent, quantity
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.missing_signals import missing_signals
 from gmfbo.sources.recorded.still_signals import CURE, still_signals
@@ -42,6 +42,7 @@ _ORDER = (
     "repeated_samples",
     "latched_column",
     "logger_convention",
+    "mixed_conventions",
     "shifted_column",
     "scaled_column",
     "offset_column",
@@ -61,6 +62,7 @@ def all_findings(
     facts: Mapping[str, RecordingFacts],
     views: Sequence[ControllerView],
     logged: str | None,
+    mixed: Mapping[str, Sequence[str]],
 ) -> tuple[Finding, ...]:
     """Findings of all kinds, worst first.
 
@@ -74,8 +76,10 @@ def all_findings(
         One a recording; empty where the controller could not be checked.
     logged : str or None
         Convention of the command's column by the controller's parity.
+    mixed : mapping of str to sequence of str
+        Recordings that hold the `held` and the `new` command, where they differ; else empty.
     """
-    found = [*_missing(case), *_conventions(case, logged)]
+    found = [*_missing(case), *_conventions(case, logged), *_mixed(case, mixed)]
     for k, (name, own) in enumerate(facts.items()):
         faults = [*_still(case, k, name), *_of_clock(name, own.clock)]
         for signal, quality in own.columns.items():
@@ -137,6 +141,24 @@ def _conventions(case: Case, logged: str | None) -> list[Finding]:
             f'the twin file says logged = "{stated}", but the column holds the '
             f"{'command just computed' if logged == 'new' else 'command still held'}",
             f'write logged = "{logged}" for {command}',
+        )
+    ]
+
+
+def _mixed(case: Case, mixed: Mapping[str, Sequence[str]]) -> list[Finding]:
+    command = command_of(case)
+    if not mixed or command is None:
+        return []
+    held, new = (listed(mixed[which]) for which in ("held", "new"))
+    return [
+        Finding(
+            "mixed_conventions",
+            "",
+            command,
+            f"each row holds the command still in force in {held}, but the command just computed "
+            f"in {new}",
+            "log all recordings alike, or diagnose each kind by itself, with its own "
+            f'logged = "held" or "new" for {command} in the twin file',
         )
     ]
 

@@ -167,17 +167,26 @@ def _left(target: Array, free: Sequence[Array]) -> float:
     return float(np.mean((target - columns @ found) ** 2))
 
 
-def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
-    """Align the commands at nominal parameters; empty where the controller was not checked."""
+def against_controller(case: Case, checked: Parities, rows: Sequence[str]) -> list[ControllerView]:
+    """Align the commands at nominal parameters; empty where the controller was not checked.
+
+    Parameters
+    ----------
+    case : Case
+        At nominal parameters.
+    checked : Parities
+        Runs of the twin that was held on its recordings.
+    rows : sequence of str
+        Whether the rows of each recording store the `held` or the `new` command.
+    """
     command = command_of(case)
     if checked.controller is None or command is None or case.rig.position is None:
         return []
     twin = hold(case, case.base, case.rig.position)
-    which = "new" if command in case.simulations.new_rows else "held"
     noise = checked.controller.noise
     views = []
     for k, run in enumerate(checked.held):
-        compared = ComparedCommand(case, k, command, which, checked.memories[k])
+        compared = ComparedCommand(case, k, command, rows[k], checked.memories[k])
         if checked.slower_rows:
             # What it read between two rows is unknown, and with it what a column should be.
             residual = compared.residual(run.response.held[command])

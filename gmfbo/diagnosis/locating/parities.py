@@ -280,13 +280,16 @@ class _Checks:
             for key, columns in both.items()
         }
         columns = both["new" if name in self.case.simulations.new_rows else "held"]
-        # Between two rows the column is a straight line, and noise of its own is at rows alone.
-        times = [self._signal(k, name).time for k in range(len(columns))]
-        at_rows = [np.interp(t, g, c) for t, g, c in zip(times, self.grids, columns, strict=True)]
-        fast = float(np.median([fast_noise(column) for column in at_rows]))
+        fast = float(np.median([self._fast(name, k, both) for k in range(len(columns))]))
         noise = self._command_noise(name, max(fast, self.case.noise[name].least))
         noise = float(np.hypot(noise, leak))
         return Parity(tuple(columns), tuple(self.grids), noise, self._unit(name)), logged
+
+    def _fast(self, name: str, k: int, both: Mapping[str, Sequence[Column]]) -> float:
+        """Noise of a recording's residual, by whichever convention its rows follow."""
+        # Between two rows the column is a straight line: it has noise of its own at rows alone.
+        time = self._signal(k, name).time
+        return min(fast_noise(np.interp(time, self.grids[k], own[k])) for own in both.values())
 
     def _command_residual(self, k: int, name: str, which: str, computed: Column) -> Column:
         """Recorded minus computed command, without the part that nuisances explain."""
