@@ -11,6 +11,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 
 from gmfbo.diagnosis.checking.result import ClockQuality
 from gmfbo.diagnosis.runs.quantum import resolution
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS
 from gmfbo.diagnosis.scoring.noise_levels import fast_power
 
 Array = NDArray[np.float64]
@@ -189,6 +190,23 @@ def _come_back(values: Array) -> int:
 def is_latched(refresh: float) -> bool:
     """Whether a column was sampled more slowly than it was logged."""
     return refresh > _LATCHED
+
+
+def usual_noise(values: Array) -> float:
+    """Standard deviation of white noise in most stretches of a column.
+
+    A step of the reference is as fast as noise, and in a few stretches alone. A stretch in which
+    the column stands still tells of no noise.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        As recorded.
+    """
+    count = max(1, values.size // LEAST_ROWS)
+    powers = [fast_power(stretch) for stretch in np.array_split(values, count)]
+    told = [power for power in powers if power > 0.0]
+    return float(np.sqrt(np.median(told))) if told else 0.0
 
 
 def clipped_rows(

@@ -20,6 +20,7 @@ from gmfbo.diagnosis.checking.column_quality import (
     near_rounding,
     refresh_rows,
     repeated_rows,
+    usual_noise,
 )
 from gmfbo.diagnosis.checking.result import (
     ClockQuality,
@@ -31,7 +32,6 @@ from gmfbo.diagnosis.checking.seen_alignment import ControllerView, against_twin
 from gmfbo.diagnosis.runs.measured_excitation import reversals, states_of
 from gmfbo.diagnosis.runs.quantum import resolution
 from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS
-from gmfbo.diagnosis.scoring.noise_levels import fast_power
 from gmfbo.physics import States
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.controlled_signal import reference_of
@@ -186,7 +186,7 @@ def _quality(
         rows=values.size,
         resolution=quantum,
         steps=extent / quantum if quantum else float("inf"),
-        noise=float(np.sqrt(fast_power(values))),
+        noise=usual_noise(values),
         low=float(values.min()),
         high=float(values.max()),
         repeated=int(repeated),

@@ -17,6 +17,7 @@ from gmfbo.diagnosis.checking.column_quality import (
     near_rounding,
     refresh_rows,
     repeated_rows,
+    usual_noise,
 )
 from gmfbo.diagnosis.runs.quantum import resolution
 
@@ -294,3 +295,20 @@ def test_jitter_is_the_largest_deviation_of_a_step() -> None:
     assert quality.jitter == pytest.approx(0.08)
     assert quality.step == pytest.approx(1e-3)
     assert quality.lost_by_clock == 0
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.02, 2.0), st.integers(0, 99))
+def test_steps_of_the_reference_are_no_noise_of_a_command(noise: float, seed: int) -> None:
+    """A command jumps with the set point each half second, and settles within 20 ms."""
+    kicks = 8.0 * np.exp(-(np.arange(2000) % 500) / 20.0)
+    white = noise * np.random.default_rng(seed).standard_normal(2000)
+    assert usual_noise(kicks + white) == pytest.approx(noise, rel=0.2)
+    # Negative control: the same noise without a set point, and none at all.
+    assert usual_noise(white) == pytest.approx(noise, rel=0.2)
+    assert usual_noise(np.zeros(2000)) == 0.0
+
+
+def test_an_axis_at_rest_for_most_of_the_time_tells_its_noise_where_it_moves() -> None:
+    column = np.where(TIME < 1.2, 0.0, motion(noise=1e-3))
+    assert usual_noise(column) == pytest.approx(1e-3, rel=0.3)
