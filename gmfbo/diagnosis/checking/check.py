@@ -116,14 +116,14 @@ class _Counted:
 def _read(nominal: NominalCase, later: Mapping[str, float], told: Progress) -> Reading:
     case = nominal.case
     told("looking at the columns", _OPENED)
-    views = against_controller(case, nominal.checked)
+    views = against_controller(case, nominal.checked, nominal.rows)
     facts = {}
     for k, name in enumerate(_names(case)):
         view = views[k] if views else None
         own = recording_facts(case, k, view, _bandwidth(case, k))
         facts[name] = own.later_by(later.get(name, 0.0))
     return Reading(
-        all_findings(case, facts, views, nominal.logged),
+        all_findings(case, facts, views, nominal.logged, nominal.mixed),
         facts,
         _logged(nominal),
         nominal.checked.why_not.get("controller", ""),
@@ -169,11 +169,16 @@ def _names(case: Case) -> list[str]:
 
 
 def _logged(nominal: NominalCase) -> dict[str, str]:
-    """Logging convention by signal: the command's by parity, the others' as they were read."""
-    case = nominal.case
-    told = dict.fromkeys(case.simulations.new_rows, "new")
-    command = command_of(case)
-    if command is not None and nominal.logged is not None:
+    """Logging convention by signal: the command's by parity, the others' as their file states it.
+
+    What fits the twin's own run better is no evidence: it holds whatever the twin lacks.
+    """
+    outputs = nominal.case.twin.file.outputs
+    told = {name: "new" for name, entry in outputs.items() if entry.logged == "new"}
+    command = command_of(nominal.case)
+    if command is None or nominal.mixed:
+        return {name: how for name, how in told.items() if name != command}
+    if nominal.logged is not None:
         told[command] = nominal.logged
     return told
 

@@ -7,27 +7,25 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from gmfbo.diagnosis.checking.result import ClockQuality
-from gmfbo.diagnosis.runs.scored_record import resolution
+from gmfbo.diagnosis.runs.quantum import resolution
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS
 from gmfbo.diagnosis.scoring.noise_levels import fast_power
 
 Array = NDArray[np.float64]
 
 _AROUND = 11  # rows whose median gives the usual step around a row
 _QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
-_ONE = 1.9  # quanta below which a step is one; its quantum may be rounded itself
-_NEARBY = 50  # rows; a reading that repeats one of five shows it within as many
-_FEWEST = 10  # steps of which a quantum is told
-_MOST_QUANTA = 4.5  # of a step that is compared with multiples of its quantum
-_UNEVEN = 0.1  # quanta by which such a step may differ from a whole number of them
-_WHOLE = 0.9  # share of such steps
+_LAGS = (2, 3)  # rows, at which a repeat is chance; after more, a drift has gone on
+_LATER = 2  # rows after a reading in which a command shows it: held for a row, and of a rate
 _NOISE_FREE = 0.1  # of the usual step: less noise does not hide whether a signal catches up
 _CHANCE = 4.0  # standard deviations of the number of repeats that rounding makes
 _LATCHED = 1.8  # rows for which a value stays: above it, the column is sampled more slowly
 _REST_ROWS = 50  # a value that stays longer is rest, not a latch
 _CLIPPED_ROWS = 3  # of a stretch at the extreme value
+_OWN_CHANGES = 0.95  # quantile of an axis' changes of speed, up to which it may stop by itself
 _CLIPPED_ENTRY = 1e-3  # of the range, by which a signal runs into its limit in one row
 _STEADY_LEAST = 0.05  # of the highest speed, above which an axis moves
 _STEADY_CHANGE = 0.02  # of the speed, between the halves of a stretch at steady speed
@@ -62,7 +60,10 @@ def refresh_rows(values: Array, quantum: float) -> float:
     # An axis at rest repeats its reading, but for a count up or down: that is no hold.
     is_moving = steps[changes] > _QUANTA * quantum
     own = lengths[(lengths <= _REST_ROWS) & is_moving[:-1] & is_moving[1:]]
-    return float(np.mean(own)) if own.size else 1.0
+    # Of values that are held for 1.8 rows, one in five changes again in the next row.
+    if not own.size or np.mean(own == 1) > 2.0 - _LATCHED:
+        return 1.0
+    return float(np.mean(own))
 
 
 def repeated_rows(
@@ -79,47 +80,89 @@ def repeated_rows(
     left_out : ndarray of bool, shape (n,), optional
         Rows in which a repeat is no fault.
     """
-    steps = np.abs(np.diff(values))
+    signed = np.diff(values)
+    steps = np.abs(signed)
     usual = median_filter(steps, _AROUND, mode="nearest")
     inside = (values[1:] < values.max()) & (values[1:] > values.min())
     if left_out is not None:
         inside &= ~left_out[1:]
     still = (steps == 0.0) & inside
-    quantum = quantum or _finest_quantum(steps)
     if not quantum and _come_back(values) >= max(1, int(np.count_nonzero(still & (usual > 0.0)))):
         quantum = float(steps[steps > 0.0].min())
     moving = usual > _QUANTA * quantum
     rows: NDArray[np.int64] = np.flatnonzero(still & moving) + 1
-    if quantum:
-        # Rounding gives a step of zero about half as often as one of a quantum up or down.
-        ones = np.count_nonzero(moving & inside & (steps > 0.0) & (steps < _ONE * quantum))
-        if rows.size <= 0.5 * ones + _CHANCE * np.sqrt(ones + 1.0):
+    coincidences = _coincidences(values, moving & inside)
+    if quantum or coincidences:
+        by_chance = float(np.sum(_chance_of_repeat(signed, quantum)[moving & inside]))
+        by_chance = max(by_chance, coincidences)
+        if rows.size <= by_chance + _CHANCE * np.sqrt(by_chance + 1.0):
             return np.zeros(0, dtype=np.int64)
     sticking = _sticking(steps, usual, float(np.sqrt(fast_power(values))))
     return rows[~sticking[rows - 1]]
 
 
-def near_rounding(times: Array, still: Array) -> NDArray[np.bool_]:
-    """Rows near which a reading repeats, so that what is computed from it may repeat as well.
+def _chance_of_repeat(steps: Array, quantum: float) -> Array:
+    """Probability that a row rounds to the value of the row before, shape (n - 1,).
+
+    A step repeats if it is within a quantum of zero, with a probability that falls from one to
+    zero with its size: a triangle as wide as a normal density of variance quantum^2 / 6. Motion
+    and noise of the steps around a row make the density of its step.
+    """
+    motion = median_filter(steps, _AROUND, mode="nearest")
+    spread = 1.4826 * median_filter(np.abs(steps - motion), _AROUND, mode="nearest")
+    if not quantum:
+        return np.zeros(steps.size)
+    variance = np.maximum(spread**2, quantum**2 / 6.0)  # recorded steps hold their rounding
+    density = np.exp(-0.5 * motion**2 / variance) / np.sqrt(2.0 * np.pi * variance)
+    return np.asarray(np.minimum(1.0, quantum * density), dtype=np.float64)
+
+
+def _coincidences(values: Array, judged: NDArray[np.bool_]) -> float:
+    """Rows that chance lets repeat the one before: as many as repeat one farther before.
+
+    What is computed from counts has few values, though the column that holds them is fine. A
+    logger that misses a sample repeats the row before, and no other.
+    """
+    counts = []
+    for lag in _LAGS:
+        changed = judged[lag - 1 :] & (np.diff(values)[lag - 1 :] != 0.0)
+        counts.append(np.count_nonzero((values[lag:] == values[:-lag]) & changed))
+    return float(max(counts))
+
+
+def near_rounding(
+    times: Array, readings: Array, values: Array, quantum: float, asked: Array | None = None
+) -> NDArray[np.bool_]:
+    """Rows in which a reading may repeat by its rounding, and what is computed from it as well.
 
     Parameters
     ----------
     times : ndarray, shape (n,)
         [s] Of the rows of the computed signal.
-    still : ndarray
-        [s] At which the reading repeats, in ascending order.
+    readings : ndarray, shape (m,)
+        [s] Of the rows of the reading.
+    values : ndarray, shape (m,)
+        Reading.
+    quantum : float
+        Its resolution.
+    asked : ndarray, shape (m,), optional
+        Reference of the reading: where their difference repeats, so may what is computed from it.
 
     Returns
     -------
     ndarray of bool, shape (n,)
     """
-    if not still.size:
-        return np.zeros(times.size, dtype=bool)
-    place = np.searchsorted(still, times)
-    before = still[np.clip(place - 1, 0, still.size - 1)]
-    after = still[np.clip(place, 0, still.size - 1)]
-    apart = np.minimum(np.abs(times - before), np.abs(times - after))
-    return np.asarray(apart <= _NEARBY * float(np.median(np.diff(times))), dtype=np.bool_)
+    steps = np.diff(values)
+    slow = median_filter(np.abs(steps), _AROUND, mode="nearest") <= _QUANTA * quantum
+    repeats = steps == 0.0
+    if asked is not None:
+        repeats |= np.abs(np.diff(asked) - steps) < 0.5 * quantum
+    repeats[repeated_rows(values, quantum) - 1] = False
+    rounded = np.concatenate([[False], slow | repeats])
+    # A command that is held shows a row later what it is computed from, a rate a row after that.
+    rounded = maximum_filter1d(rounded, 2 * _LATER + 1)
+    nearest = np.interp(times, readings, np.arange(readings.size))
+    return np.asarray(rounded[np.round(nearest).astype(int)], dtype=np.bool_)
 
 
 def _sticking(steps: Array, usual: Array, noise: float) -> NDArray[np.bool_]:
@@ -138,23 +181,6 @@ def _sticking(steps: Array, usual: Array, noise: float) -> NDArray[np.bool_]:
     return found
 
 
-def _finest_quantum(steps: Array) -> float:
-    """Quantum of which the short steps are multiples; 0 where they are not.
-
-    Counts of an encoder that are written with few digits are no multiples of anything: over many
-    quanta the errors of the digits add up. One quantum is told from two all the same.
-    """
-    moving = steps[steps > 0.0]
-    if moving.size < _FEWEST:
-        return 0.0
-    quantum = float(np.median(moving[moving < 1.5 * moving.min()]))
-    shares = moving[moving < _MOST_QUANTA * quantum] / quantum
-    whole = np.abs(shares - np.round(shares)) < _UNEVEN
-    several = np.mean(shares > 1.5) > 1.0 - _WHOLE  # a steady speed is one long step, no quantum
-    is_grid = shares.size >= _FEWEST and whole.mean() > _WHOLE and several
-    return quantum if is_grid else 0.0
-
-
 def _come_back(values: Array) -> int:
     """Times at which a value is read again after another one: of a continuous signal, never."""
     changed = values[np.concatenate([[True], np.diff(values) != 0.0])]
@@ -166,7 +192,26 @@ def is_latched(refresh: float) -> bool:
     return refresh > _LATCHED
 
 
-def clipped_rows(values: Array, quantum: float, speed: Array | None = None) -> int:
+def usual_noise(values: Array) -> float:
+    """Standard deviation of white noise in most stretches of a column.
+
+    A step of the reference is as fast as noise, and in a few stretches alone. A stretch in which
+    the column stands still tells of no noise.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        As recorded.
+    """
+    count = max(1, values.size // LEAST_ROWS)
+    powers = [fast_power(stretch) for stretch in np.array_split(values, count)]
+    told = [power for power in powers if power > 0.0]
+    return float(np.sqrt(np.median(told))) if told else 0.0
+
+
+def clipped_rows(
+    values: Array, quantum: float, speed: Array | None = None, *, is_position: bool = False
+) -> int:
     """Rows at an extreme value into which the signal runs without slowing down.
 
     Parameters
@@ -177,8 +222,12 @@ def clipped_rows(values: Array, quantum: float, speed: Array | None = None) -> i
         Resolution; 0 for continuous values.
     speed : ndarray, shape (n,), optional
         [position's unit / s] Of the axis; a value that goes with a steady speed is no limit.
+    is_position : bool
+        Whether an axis moves by these values: it slows down, and may stick where it turns.
     """
     entry = max(_QUANTA * quantum, _CLIPPED_ENTRY * float(np.ptp(values)))
+    if is_position:
+        entry = max(entry, _own_change(values))
     total = 0
     for side in (values, -values):
         at = np.concatenate([[False], side >= side.max() - 0.5 * quantum, [False]])
@@ -192,6 +241,14 @@ def clipped_rows(values: Array, quantum: float, speed: Array | None = None) -> i
             if enters and not (speed is not None and _is_steady(speed, start, end)):
                 total += int(end - start)
     return total
+
+
+def _own_change(values: Array) -> float:
+    """Change of step from row to row that a moving axis makes by itself: one row in twenty."""
+    changes = np.abs(np.diff(values, 2))
+    low, high = float(values.min()), float(values.max())
+    away = (values[1:-1] > low) & (values[1:-1] < high)
+    return float(np.quantile(changes[away], _OWN_CHANGES)) if away.any() else 0.0
 
 
 def _is_steady(speed: Array, start: int, end: int) -> bool:

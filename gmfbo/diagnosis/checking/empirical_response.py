@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.signal import detrend, fftconvolve
 from scipy.signal.windows import hann
 
-from gmfbo.diagnosis.runs.scored_record import resolution
+from gmfbo.diagnosis.runs.quantum import resolution
 
 Array = NDArray[np.float64]
 

@@ -10,25 +10,17 @@ import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
+from gmfbo.diagnosis.checking.alignment_findings import of_alignment
 from gmfbo.diagnosis.checking.column_quality import clipped_rows, is_latched
 from gmfbo.diagnosis.checking.result import (
     ClockQuality,
     ColumnQuality,
     Finding,
     RecordingFacts,
-    SeenAlignment,
 )
-from gmfbo.diagnosis.checking.seen_alignment import (
-    LEAST_GAIN,
-    LEAST_OFFSET,
-    LEAST_SCALE,
-    ControllerView,
-    Culprit,
-)
-from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
+from gmfbo.diagnosis.checking.seen_alignment import ControllerView
 from gmfbo.diagnosis.scoring.noise_levels import POSITION_TOLERANCE, TOLERANCE
-from gmfbo.diagnosis.scoring.nuisances import SHIFT_SHARE, Alignment
-from gmfbo.plain_words import duration, number, percent, quantity
+from gmfbo.plain_words import listed, number, percent, quantity
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.missing_signals import missing_signals
 from gmfbo.sources.recorded.still_signals import CURE, still_signals
@@ -39,10 +31,6 @@ _BLANK_SHARE = 1e-3
 _CLIPPED_SHARE = 3e-3
 _JITTER = 0.05  # of a step; beyond 0.1 the reader notes how such a recording is followed
 _COARSE = 3.0 * math.sqrt(12.0)  # quanta: rounding is three times what the diagnosis tolerates
-_FARTHEST = 1.5  # standard deviations of a nuisance's prior above which an error is reported
-_SHIFT = 0.5  # of a sample: a smaller shift is not reported
-_BY_CONTROLLER = (0.9, 0.95)  # least share by one error, where the rest is noise, and elsewhere
-_BY_TWIN = 0.9  # the same against the twin, where missing physics may look alike
 _SPOILING = {"still_column", "lost_rows", "repeated_samples", "latched_column", "clipped_column"}
 _UNJUDGED = "late or scaled columns of this recording, and its controller, were not judged"
 
@@ -54,12 +42,14 @@ _ORDER = (
     "repeated_samples",
     "latched_column",
     "logger_convention",
+    "mixed_conventions",
     "shifted_column",
     "scaled_column",
     "offset_column",
     "controller_gain",
     "controller_parity",
     "clipped_column",
+    "held_before",
     "no_reversal",
     "coarse_column",
     "jitter",
@@ -72,6 +62,7 @@ def all_findings(
     facts: Mapping[str, RecordingFacts],
     views: Sequence[ControllerView],
     logged: str | None,
+    mixed: Mapping[str, Sequence[str]],
 ) -> tuple[Finding, ...]:
     """Findings of all kinds, worst first.
 
@@ -85,15 +76,17 @@ def all_findings(
         One a recording; empty where the controller could not be checked.
     logged : str or None
         Convention of the command's column by the controller's parity.
+    mixed : mapping of str to sequence of str
+        Recordings that hold the `held` and the `new` command, where they differ; else empty.
     """
-    found = [*_missing(case), *_conventions(case, logged)]
+    found = [*_missing(case), *_conventions(case, logged), *_mixed(case, mixed)]
     for k, (name, own) in enumerate(facts.items()):
         faults = [*_still(case, k, name), *_of_clock(name, own.clock)]
         for signal, quality in own.columns.items():
             faults += _of_column(case, k, name, signal, quality)
         spoiling = next((i for i, one in enumerate(faults) if one.kind in _SPOILING), None)
         if spoiling is None:
-            faults += _of_alignment(case, name, own, views[k] if views else None)
+            faults += of_alignment(case, name, own, views[k] if views else None)
         else:
             # A spoiled column also seems late or scaled.
             one = faults[spoiling]
@@ -148,6 +141,24 @@ def _conventions(case: Case, logged: str | None) -> list[Finding]:
             f'the twin file says logged = "{stated}", but the column holds the '
             f"{'command just computed' if logged == 'new' else 'command still held'}",
             f'write logged = "{logged}" for {command}',
+        )
+    ]
+
+
+def _mixed(case: Case, mixed: Mapping[str, Sequence[str]]) -> list[Finding]:
+    command = command_of(case)
+    if not mixed or command is None:
+        return []
+    held, new = (listed(mixed[which]) for which in ("held", "new"))
+    return [
+        Finding(
+            "mixed_conventions",
+            "",
+            command,
+            f"each row holds the command still in force in {held}, but the command just computed "
+            f"in {new}",
+            "log all recordings alike, or diagnose each kind by itself, with its own "
+            f'logged = "held" or "new" for {command} in the twin file',
         )
     ]
 
@@ -257,142 +268,3 @@ def _twin_clips(case: Case, record: int, signal: str) -> bool:
     if simulated is None:
         return False
     return clipped_rows(simulated, 0.0) > _CLIPPED_SHARE * simulated.size
-
-
-def _of_alignment(
-    case: Case, name: str, facts: RecordingFacts, view: ControllerView | None
-) -> list[Finding]:
-    if view is not None:
-        return _by_controller(case, name, view)
-    found = []
-    for signal, seen in facts.alignment.items():
-        found += _by_twin(case, name, signal, seen)
-    return found
-
-
-def _by_controller(case: Case, name: str, view: ControllerView) -> list[Finding]:
-    """Findings by the controller's parity; none where it computes the recorded command."""
-    if view.excess <= FAILS_ABOVE:
-        return []
-    best = _alone(view)
-    if best is not None and best.kind == "gain":
-        return [_of_gain(name, best)] if abs(best.size) > LEAST_GAIN else []
-    if best is not None:
-        prior = case.rig.alignments[best.signal]
-        if not _is_far(best, prior, _sample(case, best.signal)):
-            return []
-        return [_of_culprit(name, best, _unit(case, best.signal), "the controller's command")]
-    return [
-        Finding(
-            "controller_parity",
-            name,
-            command_of(case) or "",
-            "is not what the twin's controller computes from the recorded measurement, "
-            + (
-                "and no shift, scale or offset of one column explains it"
-                if view.culprits
-                else "whatever that did between its rows"
-            ),
-            "check gains, filters and limits of the controller against the drive's",
-        )
-    ]
-
-
-def _alone(view: ControllerView) -> Culprit | None:
-    """Single error that explains the controller's residual; None where none does."""
-    if not view.culprits:
-        return None
-    best = view.culprits[0]
-    to_noise = (1.0 - best.explained) * view.excess <= FAILS_ABOVE
-    return best if best.explained >= _BY_CONTROLLER[0 if to_noise else 1] else None
-
-
-def _of_gain(name: str, culprit: Culprit) -> Finding:
-    return Finding(
-        "controller_gain",
-        name,
-        culprit.signal,
-        f"was {number(1.0 + culprit.size)} times the value in force, as the controller's command "
-        "shows",
-        f"state the gain that the drive had: a line # {culprit.signal} = VALUE in the recording",
-    )
-
-
-def _by_twin(case: Case, name: str, signal: str, seen: SeenAlignment) -> list[Finding]:
-    """Findings against the twin alone, where shift, scale and offset explain nearly all.
-
-    A shift is not told: friction, or a twin that is too light, makes a column late as well.
-    """
-    if seen.explained < _BY_TWIN:
-        return []
-    sample, prior = _sample(case, signal), case.rig.alignments[signal]
-    parts = [
-        Culprit(signal, "scale", seen.scale - 1.0, seen.explained),
-        Culprit(signal, "offset", seen.offset, seen.explained),
-    ]
-    least = {
-        "scale": LEAST_SCALE,
-        "offset": LEAST_OFFSET * _extent(case, name, signal),
-    }
-    return [
-        _of_culprit(name, part, _unit(case, signal), "the twin (or physics is missing)")
-        for part in parts
-        if abs(part.size) > least[part.kind] and _is_far(part, prior, sample)
-    ]
-
-
-def _extent(case: Case, name: str, signal: str) -> float:
-    for record in case.simulations.records:
-        for own in record.signals:
-            if record.name == name and own.name == signal:
-                return float(own.values.max() - own.values.min())
-    return math.inf
-
-
-def _is_far(culprit: Culprit, prior: Alignment, sample: float) -> bool:
-    """Whether an error exceeds the nuisances that a diagnosis removes anyway."""
-    if culprit.kind == "shift":
-        allowed = prior.shift or SHIFT_SHARE * sample
-        return abs(culprit.size) > max(_FARTHEST * allowed, _SHIFT * sample)
-    if culprit.kind == "scale":
-        return abs(culprit.size) > _FARTHEST * prior.scale
-    # Ten times the range stands for an offset that the twin file leaves free.
-    return prior.offset < 1.0
-
-
-def _of_culprit(name: str, culprit: Culprit, unit: str, against: str) -> Finding:
-    signal, size = culprit.signal, culprit.size
-    if culprit.kind == "shift":
-        side = "late" if size > 0.0 else "early"
-        return Finding(
-            "shifted_column",
-            name,
-            signal,
-            f"is {duration(abs(size))} {side} against {against}",
-            f"correct its time, or give {signal} a shift_range in the twin file",
-        )
-    if culprit.kind == "scale":
-        return Finding(
-            "scaled_column",
-            name,
-            signal,
-            f"is {number(1.0 + size, 4)} times what it should be against {against}",
-            f"correct its scale or unit, or give {signal} an uncertain_scale in the twin file",
-        )
-    return Finding(
-        "offset_column",
-        name,
-        signal,
-        f"is off by {quantity(size, unit)} against {against}",
-        f'correct its zero, or write offset = "fit" for {signal} in the twin file',
-    )
-
-
-def _sample(case: Case, signal: str) -> float:
-    spacings = [s.spacing for r in case.simulations.records for s in r.signals if s.name == signal]
-    return spacings[0] if spacings else case.twin.step
-
-
-def _unit(case: Case, signal: str) -> str:
-    variable = case.twin.file.outputs[signal].variable
-    return case.twin.binding.variables[variable].variable.si_unit

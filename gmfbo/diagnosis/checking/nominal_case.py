@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.case.open_case import open_case
+from gmfbo.diagnosis.checking.row_conventions import (
+    RowConvention,
+    are_mixed,
+    common_convention,
+    row_conventions,
+)
 from gmfbo.diagnosis.fitting.fit import fit
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
-from gmfbo.diagnosis.locating.parities import CLEARLY, Parities, parities
+from gmfbo.diagnosis.locating.parities import Parities, parities
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.uncertain import uncertain_of
@@ -30,12 +34,26 @@ class NominalCase:
         Residuals of the parts of the loop.
     logged : str or None
         Whether the logger stores the held or the new command, by the controller's parity; None
-        where that cannot tell.
+        where that cannot tell, and where recordings differ in it.
+    rows : tuple of str
+        `held` or `new`, by recording: how its command is compared.
     """
 
     case: Case
     checked: Parities
     logged: str | None
+    rows: tuple[str, ...]
+
+    @property
+    def mixed(self) -> dict[str, tuple[str, ...]]:
+        """Names of the recordings that hold each; empty where all are alike."""
+        records = self.case.simulations.records
+        if len(set(self.rows)) < 2:
+            return {}
+        return {
+            which: tuple(r.name for r, own in zip(records, self.rows, strict=True) if own == which)
+            for which in ("held", "new")
+        }
 
 
 def open_nominal(
@@ -73,42 +91,28 @@ def open_nominal(
     case = open_case(fixed, recordings, seed=seed, jobs=jobs, on_run=on_run)
     try:
         checked = parities(case, case.base)
-        logged = _logged_as(case, checked)
+        fails = checked.controller is not None and checked.controller.fails
+        logged = common_convention(row_conventions(case, checked), fails=fails)
         rows = _rows(case, logged)
         if rows != case.simulations.new_rows:
             case.simulations.close()
             case = open_case(fixed, recordings, seed=seed, jobs=jobs, new_rows=rows, on_run=on_run)
             checked = parities(case, case.base)
-        return NominalCase(_with_derivatives(case, twin), checked, logged)
+        told = row_conventions(case, checked)
+        if are_mixed(told):
+            logged = None
+        return NominalCase(_with_derivatives(case, twin), checked, logged, _compared_as(case, told))
     except BaseException:
         case.simulations.close()
         raise
 
 
-def _logged_as(case: Case, checked: Parities) -> str | None:
-    """Logging convention of the command, by the clearest recording; None where none is clear.
-
-    A sum over all recordings would be misled by one with a shifted column.
-    """
-    command = command_of(case)
-    if checked.controller is None or command is None or not checked.logged:
-        return None
-    told: list[tuple[float, float, str]] = []
-    for record, run in zip(case.simulations.records, checked.held, strict=True):
-        signal = next(s for s in record.signals if s.name == command)
-        extent = float(np.var(signal.values)) or 1.0
-        left = {}
-        for which, columns in (("held", run.response.held), ("new", run.response.new)):
-            computed = np.interp(signal.time, record.plan.grid, columns[command])
-            left[which] = float(np.mean((signal.values - computed) ** 2)) / extent
-        if left["held"] != left["new"]:
-            least, most = sorted(left.values())
-            told.append((least, most, min(left, key=lambda which: left[which])))
-    if not told:
-        return None
-    least, most, which = min(told)
-    # Beside an error as large as that of a wrong controller, the smaller residual is chance.
-    return which if not checked.controller.fails or most > CLEARLY * least else None
+def _compared_as(case: Case, told: Sequence[RowConvention | None]) -> tuple[str, ...]:
+    """Convention of each recording: its own where recordings clearly differ, else that of all."""
+    common = "new" if command_of(case) in case.simulations.new_rows else "held"
+    if not are_mixed(told):
+        return (common,) * len(told)
+    return tuple(own.which if own is not None and own.is_clear else common for own in told)
 
 
 def _rows(case: Case, logged: str | None) -> frozenset[str]:

@@ -20,6 +20,7 @@ from gmfbo.diagnosis.checking.column_quality import (
     near_rounding,
     refresh_rows,
     repeated_rows,
+    usual_noise,
 )
 from gmfbo.diagnosis.checking.result import (
     ClockQuality,
@@ -29,8 +30,8 @@ from gmfbo.diagnosis.checking.result import (
 )
 from gmfbo.diagnosis.checking.seen_alignment import ControllerView, against_twin
 from gmfbo.diagnosis.runs.measured_excitation import reversals, states_of
-from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, resolution
-from gmfbo.diagnosis.scoring.noise_levels import fast_power
+from gmfbo.diagnosis.runs.quantum import resolution
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS
 from gmfbo.physics import States
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.controlled_signal import reference_of
@@ -174,7 +175,9 @@ def _quality(
         repeated = repeated_rows(values, quantum, rounded).size
         # An end stop holds a position at rest, a limit anything else while the axis accelerates.
         speed = np.interp(recording.time[known], states.time, states.velocity)
-        clipped = clipped_rows(values, quantum, None if name in case.rig.positions else speed)
+        is_position = name in case.rig.positions
+        own = None if is_position else speed
+        clipped = clipped_rows(values, quantum, own, is_position=is_position)
     places = np.diff(known)
     usual = np.median(places)
     extent = float(np.ptp(values))
@@ -183,7 +186,7 @@ def _quality(
         rows=values.size,
         resolution=quantum,
         steps=extent / quantum if quantum else float("inf"),
-        noise=float(np.sqrt(fast_power(values))),
+        noise=usual_noise(values),
         low=float(values.min()),
         high=float(values.max()),
         repeated=int(repeated),
@@ -203,10 +206,19 @@ def _near_rounding(case: Case, recording: Recording, name: str, times: Array) ->
         if reading in recording.signals:
             known = np.flatnonzero(np.isfinite(recording.signal(reading)))
             values = recording.signal(reading)[known]
-            still = np.flatnonzero(np.diff(values) == 0.0) + 1
-            rounded = np.setdiff1d(still, repeated_rows(values, resolution(values)))
-            found |= near_rounding(times, recording.time[known[rounded]])
+            rows, quantum = recording.time[known], resolution(values)
+            found |= near_rounding(times, rows, values, quantum, _asked(case, recording, rows))
     return found
+
+
+def _asked(case: Case, recording: Recording, times: Array) -> Array | None:
+    """Recorded reference at these times [s]; None where none was recorded."""
+    name = reference_of(case.twin)
+    if name is None or name not in recording.signals:
+        return None
+    known = np.isfinite(recording.signal(name))
+    asked = np.interp(times, recording.time[known], recording.signal(name)[known])
+    return np.asarray(asked, dtype=np.float64)
 
 
 def _readings(case: Case, name: str) -> list[str]:

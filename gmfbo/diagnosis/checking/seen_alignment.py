@@ -17,13 +17,12 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.case.held_out_split import rows_of
+from gmfbo.diagnosis.checking.compared_command import ComparedCommand
 from gmfbo.diagnosis.checking.result import SeenAlignment
 from gmfbo.diagnosis.locating.held_twin import HeldTwin, hold
 from gmfbo.diagnosis.locating.parities import Parities
-from gmfbo.diagnosis.locating.parity import FAILS_ABOVE, block_means
-from gmfbo.diagnosis.locating.slower_rows import as_logged
+from gmfbo.diagnosis.locating.parity import FAILS_ABOVE
 from gmfbo.diagnosis.runs.scored_record import ScoredSignal
-from gmfbo.sources.twin.response import Response
 
 Array = NDArray[np.float64]
 
@@ -45,6 +44,7 @@ LEAST_OFFSET = 0.01
 """Share of a range from which an offset is told; one that is less sure is not known."""
 
 _ROUND_OFF = 1e-12  # of a column's power: less of its own is none
+_LEFT = 0.01  # of a constant's power beside what an integral may hold: less is told as neither
 _ROUNDS = 4  # linear steps, enough to find a shift of many samples
 _SMALL = 0.01  # change of scale, and of the range, for the controller's derivatives
 
@@ -82,12 +82,16 @@ class ControllerView:
     culprits : tuple of Culprit
         Single errors of single columns, the one that explains most first; empty, and no alignment
         known, where rows are slower than the controller.
+    held : float
+        [SI] Constant difference that the controller's integral may have held before the first
+        row; 0 where none is seen.
     """
 
     excess: float
     command: SeenAlignment
     position: SeenAlignment
     culprits: tuple[Culprit, ...]
+    held: float = 0.0
 
 
 def against_twin(case: Case, record: int, place: int) -> SeenAlignment:
@@ -163,46 +167,45 @@ def _left(target: Array, free: Sequence[Array]) -> float:
     return float(np.mean((target - columns @ found) ** 2))
 
 
-def against_controller(case: Case, checked: Parities) -> list[ControllerView]:
-    """Align the commands at nominal parameters; empty where the controller was not checked."""
+def against_controller(case: Case, checked: Parities, rows: Sequence[str]) -> list[ControllerView]:
+    """Align the commands at nominal parameters; empty where the controller was not checked.
+
+    Parameters
+    ----------
+    case : Case
+        At nominal parameters.
+    checked : Parities
+        Runs of the twin that was held on its recordings.
+    rows : sequence of str
+        Whether the rows of each recording store the `held` or the `new` command.
+    """
     command = command_of(case)
     if checked.controller is None or command is None or case.rig.position is None:
         return []
     twin = hold(case, case.base, case.rig.position)
-    computed = [run.response for run in checked.held]
-    which = "new" if command in case.simulations.new_rows else "held"
     noise = checked.controller.noise
     views = []
-    for k, response in enumerate(computed):
+    for k, run in enumerate(checked.held):
+        compared = ComparedCommand(case, k, command, rows[k], checked.memories[k])
         if checked.slower_rows:
             # What it read between two rows is unknown, and with it what a column should be.
-            residual, _ = _residual(case, k, command, response.held[command])
+            residual = compared.residual(run.response.held[command])
             excess = float(np.mean(residual**2)) / noise**2
             views.append(ControllerView(excess, UNKNOWN, UNKNOWN, ()))
             continue
-        expected = _computed(case, k, response, which, command)
-        answers = _answers(case, twin, k, expected, which, command)
-        view = _view(case, k, command, expected, answers, noise)
+        view = _view(compared, twin, compared.computed(run.response), noise)
         if view.excess > FAILS_ABOVE:
-            view = _with_gains(case, twin, k, (command, which, expected), view)
+            view = _with_gains(compared, twin, compared.computed(run.response), view)
         views.append(view)
     return views
 
 
-def _computed(case: Case, k: int, run: Response, which: str, command: str) -> Array:
-    """Command of the twin's controller as the logger would have stored it."""
-    record = case.simulations.records[k]
-    signal = next(s for s in record.signals if s.name == command)
-    column = (run.new if which == "new" else run.held)[command]
-    return as_logged(column, record.plan.grid, signal.time)
-
-
 def _with_gains(
-    case: Case, twin: HeldTwin, k: int, told: tuple[str, str, Array], view: ControllerView
+    compared: ComparedCommand, twin: HeldTwin, expected: Array, view: ControllerView
 ) -> ControllerView:
     """Add each controller gain as a possible cause: the drive may have had another value."""
-    command, which, expected = told
-    residual, means = _residual(case, k, command, expected)
+    case, k = compared.case, compared.record
+    residual = compared.residual(expected)
     before = float(np.mean(residual**2))
     point = case.base.hypothesis.point(case.base.x)
     in_force = case.simulations.records[k].plan.experiment.parameters.in_force
@@ -216,7 +219,7 @@ def _with_gains(
         run = case.simulations.run_parity(changed, k, twin.settings, measured)
         if run.outcome.status != "ok":
             continue
-        answer = means(_computed(case, k, run, which, command) - expected)
+        answer = compared.means(compared.computed(run) - expected)
         size, left = _alone(residual, answer)
         culprits.append(Culprit(name, "gain", _SMALL * size, _explained(before, left)))
     return replace(view, culprits=_ordered(culprits))
@@ -227,9 +230,10 @@ def _ordered(culprits: Sequence[Culprit]) -> tuple[Culprit, ...]:
 
 
 def _answers(
-    case: Case, twin: HeldTwin, k: int, expected: Array, which: str, command: str
+    compared: ComparedCommand, twin: HeldTwin, expected: Array
 ) -> dict[str, tuple[float, Array]]:
     """Changes of the computed command by small errors of the measurement, and their sizes."""
+    case, k = compared.case, compared.record
     measured = twin.recorded(k)
     step = case.twin.step
     size = _SMALL * float(np.ptp(measured))
@@ -244,57 +248,34 @@ def _answers(
     for kind, (amount, column) in changed.items():
         runs = twin.run({k: column})
         if runs is not None:
-            answers[kind] = (amount, expected - _computed(case, k, runs[0], which, command))
+            answers[kind] = (amount, expected - compared.computed(runs[0]))
     return answers
 
 
 def _view(
-    case: Case,
-    k: int,
-    command: str,
-    expected: Array,
-    answers: dict[str, tuple[float, Array]],
-    noise: float,
+    compared: ComparedCommand, twin: HeldTwin, expected: Array, noise: float
 ) -> ControllerView:
-    residual, means = _residual(case, k, command, expected)
-    grid = case.simulations.records[k].plan.grid
-    own = _aligned(grid, _recorded(case, k, command), expected, means)
+    answers = _answers(compared, twin, expected)
+    residual = compared.residual(expected)
+    own = _aligned(compared.grid, compared.recorded(), expected, compared.means)
     before = float(np.mean(residual**2))
     culprits = [
-        Culprit(command, kind, size, _explained(before, left))
+        Culprit(compared.command, kind, size, _explained(before, left))
         for kind, (size, left) in own.single.items()
     ]
     for kind, (amount, answer) in answers.items():
         # A reading that is too large made the controller compute `answer` too much.
-        size, left = _alone(residual, -means(answer))
-        culprits.append(
-            Culprit(case.rig.position or "", kind, amount * size, _explained(before, left))
-        )
+        size, left = _alone(residual, -compared.means(answer))
+        position = compared.case.rig.position or ""
+        culprits.append(Culprit(position, kind, amount * size, _explained(before, left)))
     seen = SeenAlignment(
         "controller", own.shift, own.scale, own.offset, _explained(before, own.left)
     )
-    position = _measured(residual, answers, means)
-    return ControllerView(before / noise**2, seen, position, _ordered(culprits))
-
-
-def _recorded(case: Case, k: int, command: str) -> Array:
-    record = case.simulations.records[k]
-    signal = next(s for s in record.signals if s.name == command)
-    return np.asarray(np.interp(record.plan.grid, signal.time, signal.values), dtype=np.float64)
-
-
-def _residual(
-    case: Case, k: int, command: str, expected: Array
-) -> tuple[Array, Callable[[Array], Array]]:
-    """Block means of recorded minus computed command, and the function that takes such means."""
-    record = case.simulations.records[k]
-    grid = record.plan.grid
-    inside = (grid >= record.start - 1e-9) & (grid <= record.end + 1e-9)
-
-    def means(column: Array) -> Array:
-        return block_means(grid, np.where(inside, column, np.nan))[1]
-
-    return means(_recorded(case, k, command) - expected), means
+    measured = _measured(residual, answers, compared.means)
+    held = 0.0
+    if before / noise**2 <= FAILS_ABOVE:
+        held = compared.held_throughout(expected, math.sqrt(FAILS_ABOVE) * noise)
+    return ControllerView(before / noise**2, seen, measured, _ordered(culprits), held)
 
 
 def _measured(
@@ -335,12 +316,18 @@ def _aligned(
     shift = 0.0
     scale, offset, left = 1.0, 0.0, 0.0
     alone = 0.0
+    constant = means(np.ones(grid.size))
+    is_told = float(np.mean(constant**2)) > _LEFT
     target = means(recorded - expected)
     single: dict[str, tuple[float, float]] = {}
     for _ in range(_ROUNDS):
         moved = np.interp(grid - shift, grid, expected)
         columns = np.column_stack(
-            [means(moved), means(np.ones(grid.size)), -means(np.gradient(moved, grid))]
+            [
+                means(moved),
+                constant if is_told else 0.0 * constant,
+                -means(np.gradient(moved, grid)),
+            ]
         )
         target = means(recorded - moved)
         found = np.linalg.lstsq(columns, target, rcond=1e-9)[0]
@@ -355,8 +342,9 @@ def _aligned(
         single["shift"] = (alone, remains)
     target = means(recorded - expected)
     single["scale"] = _alone(target, means(expected))
-    single["offset"] = _alone(target, means(np.ones(grid.size)))
-    return _Aligned(shift, scale, offset, left, single)
+    if is_told:
+        single["offset"] = _alone(target, constant)
+    return _Aligned(shift, scale, offset if is_told else math.nan, left, single)
 
 
 def _alone(target: Array, column: Array) -> tuple[float, float]:

@@ -87,7 +87,7 @@ def find_shown_gain(
     nominal = open_nominal(twin, recordings, seed=seed, jobs=jobs, on_run=lambda: None)
     case = nominal.case
     try:
-        views = against_controller(case, nominal.checked)
+        views = against_controller(case, nominal.checked, nominal.rows)
     finally:
         case.simulations.close()
     found = [told for told in map(_told_by, views) if told is not None]

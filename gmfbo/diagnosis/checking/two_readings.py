@@ -26,6 +26,7 @@ _BY_CONTROLLER = {
     "scaled_column",
     "offset_column",
     "controller_gain",
+    "held_before",
     _NOT_COMPUTED,
 }
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from gmfbo.diagnosis.runs.scored_record import resolution, with_same_gains
+from gmfbo.diagnosis.runs.quantum import resolution
+from gmfbo.diagnosis.runs.scored_record import with_same_gains
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.sources.twin.response import Response

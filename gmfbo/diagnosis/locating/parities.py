@@ -15,8 +15,19 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.fit import Fitted
+from gmfbo.diagnosis.locating.controller_memory import (
+    ControllerMemory,
+    beside_memory,
+    controller_memories,
+)
 from gmfbo.diagnosis.locating.held_twin import DISTURBANCE, HeldTwin, hold, mean_effort
-from gmfbo.diagnosis.locating.parity import Parity, block_rows, block_spread, fast_noise
+from gmfbo.diagnosis.locating.parity import (
+    Parity,
+    block_rows,
+    block_spread,
+    fast_noise,
+    without_nuisances,
+)
 from gmfbo.diagnosis.locating.slower_rows import (
     are_slower,
     as_logged,
@@ -24,6 +35,11 @@ from gmfbo.diagnosis.locating.slower_rows import (
     hidden_by_rows,
     row_interval,
     why_slower,
+)
+from gmfbo.diagnosis.locating.unchecked_controller import (
+    NO_SENSOR,
+    why_no_command,
+    why_no_position,
 )
 from gmfbo.diagnosis.locating.unrecorded_inputs import read_by_controller, why_not_judged
 from gmfbo.diagnosis.runs.scored_record import ScoredSignal
@@ -35,9 +51,7 @@ from gmfbo.sources.twin.response import Response
 CLEARLY = 2.0
 """Times the residual's square of one logger, where the controller is wrong or not known whole."""
 
-_NO_SENSOR = "the twin has no sensor port"
 _PASSES_BELOW = 1.0  # mean square of scores of a null simulation
-_FARTHEST = 2.0  # standard deviations of a nuisance
 _LOAD_SHARE = 1.0 / 3.0  # of the torque's range: its typical size where it is not recorded
 
 Column = NDArray[np.float64]
@@ -64,6 +78,8 @@ class Parities:
         The twin while it was held on each recording; empty where it could not be held.
     slower_rows : bool
         Whether rows are slower than the controller: its parity then shows gross errors alone.
+    memories : tuple of ControllerMemory
+        By recording, what the controller may have held before it; empty where it is not checked.
     """
 
     controller: Parity | None
@@ -73,6 +89,7 @@ class Parities:
     logged: Mapping[str, float] = field(default_factory=dict)
     held: tuple[Simulated, ...] = ()
     slower_rows: bool = False
+    memories: tuple[ControllerMemory, ...] = ()
 
 
 def logged_as(checked: Parities) -> str | None:
@@ -99,6 +116,7 @@ class _Checks:
         self.command = self._command()
         self.why_not: dict[str, str] = {}
         self.slower_rows = False
+        self.memories: tuple[ControllerMemory, ...] = ()
 
     def run(self) -> Parities:
         transmission = self._transmission()
@@ -126,7 +144,14 @@ class _Checks:
             plant = self._plant(efforts, held, self._noise_of_effort(twin))
         kept = tuple(Simulated((), run) for run in held)
         return Parities(
-            controller, plant, transmission, self.why_not, logged, kept, self.slower_rows
+            controller,
+            plant,
+            transmission,
+            self.why_not,
+            logged,
+            kept,
+            self.slower_rows,
+            self.memories,
         )
 
     def _held_twin(self) -> HeldTwin | None:
@@ -135,32 +160,16 @@ class _Checks:
             position in record.plan.recording.signals for record in self.records
         ):
             self.why_not["plant"] = "the position was not recorded"
-            self.why_not["controller"] = (
-                "a recording has no position to feed it with; a speed loop is not checked so far"
-                if "sensor" in self.case.twin.file.ports
-                else _NO_SENSOR
-            )
+            self.why_not["controller"] = why_no_position(self.case.twin.file)
             return None
         twin = hold(self.case, self.base, position)
         if not twin.holds_plant:
             self.why_not["plant"] = "the twin has no torque port"
         if not twin.feeds_controller:
-            self.why_not["controller"] = _NO_SENSOR
+            self.why_not["controller"] = NO_SENSOR
         elif self.command is None:
-            self.why_not["controller"] = self._why_no_command()
+            self.why_not["controller"] = why_no_command(self.case.twin.file)
         return twin
-
-    def _why_no_command(self) -> str:
-        wanted = self.case.twin.file.states.get("command")
-        if wanted is None:
-            return (
-                "the twin file states no command; write the variable that the controller computes "
-                'as command = "VARIABLE" in [states], and name it in [outputs]'
-            )
-        return (
-            f"[states] says that the command is {wanted}, which not every recording holds; record "
-            'it, or write command = "VARIABLE" there with a command that was recorded'
-        )
 
     def _command(self) -> str | None:
         """Output with the role `command`, where it is scored in every recording."""
@@ -186,6 +195,7 @@ class _Checks:
         if leak is None:
             return None, {}
         size = float(np.hypot(leak * self._more(efforts), hidden))
+        self.memories = controller_memories(twin, self.command, held, max(rows, interval))
         controller, logged = self._controller(held, self.command, size)
         if self.slower_rows:
             logged = {}
@@ -259,23 +269,29 @@ class _Checks:
         self, held: Sequence[Response], name: str, leak: float
     ) -> tuple[Parity, dict[str, float]]:
         both = {
-            "held": [self._command_residual(k, name, r.held[name]) for k, r in enumerate(held)],
-            "new": [self._command_residual(k, name, r.new[name]) for k, r in enumerate(held)],
+            which: [
+                self._command_residual(k, name, which, getattr(r, which)[name])
+                for k, r in enumerate(held)
+            ]
+            for which in ("held", "new")
         }
         logged = {
             key: float(np.nanmean(np.concatenate([np.diff(c) for c in columns]) ** 2))
             for key, columns in both.items()
         }
         columns = both["new" if name in self.case.simulations.new_rows else "held"]
-        # Between two rows the column is a straight line, and noise of its own is at rows alone.
-        times = [self._signal(k, name).time for k in range(len(columns))]
-        at_rows = [np.interp(t, g, c) for t, g, c in zip(times, self.grids, columns, strict=True)]
-        fast = float(np.median([fast_noise(column) for column in at_rows]))
+        fast = float(np.median([self._fast(name, k, both) for k in range(len(columns))]))
         noise = self._command_noise(name, max(fast, self.case.noise[name].least))
         noise = float(np.hypot(noise, leak))
         return Parity(tuple(columns), tuple(self.grids), noise, self._unit(name)), logged
 
-    def _command_residual(self, k: int, name: str, computed: Column) -> Column:
+    def _fast(self, name: str, k: int, both: Mapping[str, Sequence[Column]]) -> float:
+        """Noise of a recording's residual, by whichever convention its rows follow."""
+        # Between two rows the column is a straight line: it has noise of its own at rows alone.
+        time = self._signal(k, name).time
+        return min(fast_noise(np.interp(time, self.grids[k], own[k])) for own in both.values())
+
+    def _command_residual(self, k: int, name: str, which: str, computed: Column) -> Column:
         """Recorded minus computed command, without the part that nuisances explain."""
         signal = self._signal(k, name)
         grid, prior = self.grids[k], self.case.rig.alignments[name]
@@ -285,8 +301,14 @@ class _Checks:
         columns = [prior.scale * computed, shift * np.gradient(computed, grid)]
         if prior.offset:
             columns.append(np.full(grid.size, prior.offset * float(np.ptp(signal.values))))
-        residual = self._scored(k, self._on_grid(k, name) - computed)
-        return _without(residual, columns, self.case.noise[name].total)
+        memory = self.memories[k]
+        told = [
+            beside_memory(
+                np.where(memory.tells(grid), self._scored(k, column), np.nan), memory.answers[which]
+            )
+            for column in (self._on_grid(k, name) - computed, *columns)
+        ]
+        return without_nuisances(told[0], told[1:], self.case.noise[name].total)
 
     def _command_noise(self, name: str, level: float) -> float:
         """Spread of the command's block means: white noise of this level, and a tolerance."""
@@ -316,7 +338,7 @@ class _Checks:
                 rms.append(float(np.sqrt(np.mean(driving**2))))
                 spread = float(np.hypot(noise, TOLERANCE * rms[-1]))
                 # By means of blocks: command and effort share the noise of the measurement.
-                residual = _without(residual, small, spread, block_rows(self.grids[k]))
+                residual = without_nuisances(residual, small, spread, block_rows(self.grids[k]))
             columns.append(residual)
         typical = float(np.median(rms)) if rms else _LOAD_SHARE * excitation.torque
         total = max(float(np.hypot(noise, TOLERANCE * typical)), 1e-15)
@@ -377,16 +399,3 @@ class _Checks:
 
     def _variable_unit(self, variable: str) -> str:
         return self.case.twin.binding.variables[variable].variable.si_unit
-
-
-def _without(residual: Column, columns: Sequence[Column], noise: float, rows: int = 1) -> Column:
-    """Remove nuisance columns, each one standard deviation of its prior long."""
-    count = residual.size // rows
-    together = np.column_stack([residual, *columns])
-    means = together[: count * rows].reshape(count, rows, -1).mean(axis=1)
-    means = means[np.isfinite(means).all(axis=1)] / noise
-    target, own = means[:, 0], means[:, 1:]
-    sizes = np.linalg.solve(own.T @ own + np.eye(len(columns)), own.T @ target)
-    # A large residual would overrule any prior; an error this large is not a nuisance.
-    sizes = np.clip(sizes, -_FARTHEST, _FARTHEST)
-    return np.asarray(residual - np.column_stack(columns) @ sizes, dtype=np.float64)

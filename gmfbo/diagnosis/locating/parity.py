@@ -14,6 +14,8 @@ BLOCK_S = 0.03
 FAILS_ABOVE = 3.0
 """Mean square of block scores above which a parity fails; it is one for a right twin."""
 
+_FARTHEST = 2.0  # standard deviations of a nuisance
+
 
 @dataclass(frozen=True, eq=False)
 class Parity:
@@ -103,3 +105,33 @@ def fast_noise(column: NDArray[np.float64]) -> float:
     """
     steps = np.abs(np.diff(column[np.isfinite(column)]))
     return float(np.median(steps)) / (0.6745 * np.sqrt(2.0)) if steps.size else 0.0
+
+
+def without_nuisances(
+    residual: NDArray[np.float64],
+    columns: Sequence[NDArray[np.float64]],
+    noise: float,
+    rows: int = 1,
+) -> NDArray[np.float64]:
+    """Remove nuisance columns, each one standard deviation of its prior long.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        With NaN where it is not scored.
+    columns : sequence of ndarray, shape (n,)
+        Changes of it by each nuisance.
+    noise : float
+        Standard deviation of the residual.
+    rows : int
+        Of the blocks whose means are fitted.
+    """
+    count = residual.size // rows
+    together = np.column_stack([residual, *columns])
+    means = together[: count * rows].reshape(count, rows, -1).mean(axis=1)
+    means = means[np.isfinite(means).all(axis=1)] / noise
+    target, own = means[:, 0], means[:, 1:]
+    sizes = np.linalg.solve(own.T @ own + np.eye(len(columns)), own.T @ target)
+    # A large residual would overrule any prior; an error this large is not a nuisance.
+    sizes = np.clip(sizes, -_FARTHEST, _FARTHEST)
+    return np.asarray(residual - np.column_stack(columns) @ sizes, dtype=np.float64)

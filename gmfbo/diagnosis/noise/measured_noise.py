@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.noise.loop_noise import noise_runs
-from gmfbo.diagnosis.runs.scored_record import ScoredSignal, resolution
+from gmfbo.diagnosis.runs.quantum import resolution
+from gmfbo.diagnosis.runs.scored_record import ScoredSignal
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.scoring.noise_levels import (
     NoiseLevel,

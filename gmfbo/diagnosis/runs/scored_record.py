@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.runs.quantum import resolution
 from gmfbo.errors import RecordingError
 from gmfbo.objective.fit import scored_rows
 from gmfbo.recordings.recording import Recording
@@ -213,38 +214,6 @@ def _uniform(
         values = np.interp(even, time, values)
         time = even
     return ScoredSignal(name, time, values, resolution(values), stamps=stamps)
-
-
-def resolution(values: NDArray[np.float64]) -> float:
-    """Quantum of a signal: most steps are multiples of it; 0 where there is none.
-
-    It is the least step from row to row or, where a signal passes many counts a row, the least
-    difference of any two of its values.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        As recorded.
-    """
-    steps = _beyond_rounding(np.abs(np.diff(values)), values)
-    if steps.size < 10:
-        return 0.0
-    of_rows = _whole(steps, float(np.quantile(steps, 0.02)))
-    gaps = _beyond_rounding(np.diff(np.unique(values)), values)
-    return of_rows or _whole(gaps, float(gaps.min()))
-
-
-def _beyond_rounding(
-    differences: NDArray[np.float64], values: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    return differences[differences > 1e-12 * max(1.0, float(np.abs(values).max()))]
-
-
-def _whole(differences: NDArray[np.float64], quantum: float) -> float:
-    """The quantum, if most differences are multiples of it; else 0."""
-    shares = differences / quantum
-    whole = np.abs(shares - np.round(shares)) < 0.02
-    return quantum if whole.mean() > 0.9 else 0.0
 
 
 def means_over_rows(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -164,6 +165,38 @@ def test_a_shifted_or_scaled_column_is_named_with_its_size(
     if scale is not None:
         assert found.scale == pytest.approx(scale, abs=3e-3)
     assert seen.logged == {"torque_command": "held"}  # the sound recording decides
+
+
+def test_recordings_of_two_loggers_are_told_by_name(
+    sound: list[Recording], logged_new: list[Recording], quick: FmuTwin
+) -> None:
+    """Each is compared by its own convention: none is late or early by a row."""
+    other = replace(logged_new[1], written_by="")
+    seen = check(quick, [replace(sound[0], written_by=""), other], jobs=1)
+    assert kinds(seen) == [("mixed_conventions", "", "torque_command")]
+    assert "in force in rec0.csv, but the command just computed in rec1.csv" in (
+        seen.findings[0].what
+    )
+    assert seen.logged == {}
+    for facts in seen.recordings.values():
+        assert facts.parity < 3.0
+        assert abs(facts.alignment["torque_command"].shift) < 0.1e-3
+
+
+def test_without_its_controller_no_convention_of_a_command_is_told(
+    logged_new: list[Recording], tmp_path: Path, quick: FmuTwin
+) -> None:
+    """What fits the twin's own run better is no evidence; what its file states is told."""
+    text = quick.path.read_text(encoding="utf-8").replace('sensor = "encoder_offset"', "")
+    for stated, told in (("unknown", {}), ("new", {"torque_command": "new"})):
+        (path := tmp_path / f"{stated}.toml").write_text(text, encoding="utf-8")
+        twin = FmuTwin(path)
+        outputs = {**twin.file.outputs}
+        outputs["torque_command"] = outputs["torque_command"].model_copy(update={"logged": stated})
+        twin.file = twin.file.model_copy(update={"outputs": outputs})
+        seen = check(twin, logged_new, jobs=1)
+        assert seen.parity_why_not
+        assert seen.logged == told
 
 
 def test_an_offset_of_the_command_is_told_with_its_size(

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.checking.column_quality import (
+    _chance_of_repeat,
     clipped_rows,
     clock_quality,
     is_latched,
@@ -16,8 +17,9 @@ from gmfbo.diagnosis.checking.column_quality import (
     near_rounding,
     refresh_rows,
     repeated_rows,
+    usual_noise,
 )
-from gmfbo.diagnosis.runs.scored_record import resolution
+from gmfbo.diagnosis.runs.quantum import resolution
 
 TIME = np.arange(2000, dtype=np.float64) * 1e-3
 NOWHERE = np.array([], dtype=np.int64)
@@ -127,8 +129,7 @@ def speed_loop() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 def test_what_is_computed_from_a_coarse_reading_repeats_where_that_does() -> None:
     speed, current = speed_loop()
     quantum = resolution(current)
-    still = TIME[1:][np.diff(speed) == 0.0]
-    near = near_rounding(TIME, still)
+    near = near_rounding(TIME, TIME, speed, resolution(speed))
     assert repeated_rows(current, quantum).size > 50
     assert repeated_rows(current, quantum, near).size == 0
     # Negative control: the logger misses samples while the speed rises.
@@ -137,7 +138,94 @@ def test_what_is_computed_from_a_coarse_reading_repeats_where_that_does() -> Non
         current[row] = current[row - 1]
     assert not near[rows].any()
     assert set(rows) <= set(repeated_rows(current, quantum, near).tolist())
-    assert not near_rounding(TIME, np.array([], dtype=np.float64)).any()
+    # Negative control: a fast and fine reading repeats nowhere.
+    assert not near_rounding(TIME, TIME, np.cumsum(1.0 + TIME), 1e-3).any()
+
+
+def of_counts(seed: int) -> NDArray[np.float64]:
+    """Command of a noisy encoder's error and of its rate over two rows, as a converter holds it."""
+    counts = np.round(2.0 * np.random.default_rng(seed).standard_normal(2500))
+    rate = counts - np.roll(counts, 2)
+    return np.asarray(5e-3 * np.round((22.5e-3 * rate + 1e-3 * counts) / 5e-3))
+
+
+def chance_held(rows: int, seed: int) -> NDArray[np.float64]:
+    """Readings of which one in two is that of the row before, without any order in it."""
+    rng = np.random.default_rng(seed)
+    column = np.cumsum(rng.standard_normal(rows))
+    for row in range(1, rows):
+        if rng.random() < 0.5:
+            column[row] = column[row - 1]
+    return column
+
+
+def test_a_command_of_few_values_repeats_by_chance() -> None:
+    alike = []
+    for seed in range(30):
+        command = of_counts(seed)
+        alike.append(np.count_nonzero(np.diff(command) == 0.0))
+        assert repeated_rows(command, resolution(command)).size == 0
+    # An oracle: by resolution and noise alone, chance makes a third of these rows at most.
+    sigma = float(np.std(of_counts(0)))
+    assert np.mean(alike) > 3.0 * 2500 * 5e-3 / (2.0 * np.sqrt(np.pi) * sigma)
+    # Negative control: a logger that misses one sample in ten.
+    command = of_counts(0)
+    for row in range(10, 2490, 10):
+        command[row] = command[row - 1]
+    assert repeated_rows(command, resolution(command)).size > 240
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(2.0, 20.0), st.integers(0, 99))
+def test_rounded_noise_repeats_as_often_as_chance_tells(noise: float, seed: int) -> None:
+    """Noise of so many quanta; a false alarm in ten thousand is what four sigma leave."""
+    rng = np.random.default_rng(seed)
+    column = np.round(noise * rng.standard_normal(3000))
+    steps = np.diff(column)
+    expected = 2999 / (2.0 * np.sqrt(np.pi) * noise)
+    told = float(np.sum(_chance_of_repeat(steps, 1.0)))
+    assert np.count_nonzero(steps == 0.0) == pytest.approx(expected, abs=5.0 * np.sqrt(expected))
+    assert told == pytest.approx(expected, rel=0.25)
+    assert repeated_rows(column, 1.0).size == 0
+
+
+def test_slow_motion_on_coarse_counts_is_no_latch() -> None:
+    """No logger holds each value for 1.9 rows and logs some for one row only."""
+    column = chance_held(3000, 1)
+    lengths = np.diff(np.flatnonzero(np.diff(column)))
+    assert float(np.mean(lengths)) > 1.8
+    assert not is_latched(refresh_rows(column, 0.0))
+    # Negative control: a logger that is slower by half, and one by 2.5.
+    for rows in (2.0, 2.5):
+        held = motion()[np.floor(np.arange(2000) / rows).astype(int)]
+        assert is_latched(refresh_rows(held, 0.0))
+
+
+def test_an_axis_that_sticks_where_it_turns_is_at_no_limit() -> None:
+    """Counts of a real axis at the top of an overshoot, between set points."""
+    top = [700, 1400, 1900, 2131, 2154, 2161, 2159, 2162, 2167, 2170, 2170, 2170, 2170]
+    way = np.array([*range(0, 700, 90), *top, *[2169, 2169, 2168, 2167, 2165, 2160] * 3], float)
+    assert clipped_rows(way, 1.0) == 4
+    assert clipped_rows(way, 1.0, is_position=True) == 0
+    # Negative control: an end stop at that place, run into at full speed.
+    stopped = np.minimum(np.cumsum(90.0 + 5.0 * np.sin(np.arange(60.0))), 2170.0)
+    assert clipped_rows(stopped, 1.0, is_position=True) > 20
+
+
+def test_a_command_that_repeats_while_its_reading_moves_on_is_told() -> None:
+    """A short recording: the axis rests at both ends, where the command rightly repeats."""
+    time = np.arange(150, dtype=np.float64) * 20e-3
+    asked = 13.0 * np.clip(np.minimum(time - 0.3, 2.4 - time), 0.0, 0.9)
+    true = asked * (1.0 + 0.05 * np.sin(3.0 * time))
+    read = np.asarray(2.2e-3 * np.round(true / 2.2e-3), dtype=np.float64)
+    command = 2.4 * (asked - read) + 1e-3 * asked**2
+    near = near_rounding(time, time, read, resolution(read))
+    assert repeated_rows(command, resolution(command), near).size == 0
+    # Negative control: the logger misses samples on the way up and down.
+    rows = [25, 29, 33, 36, 40, 42, 90, 95, 99, 103]
+    for row in rows:
+        command[row] = command[row - 1]
+    assert set(rows) <= set(repeated_rows(command, resolution(command), near).tolist())
 
 
 def test_a_value_at_steady_speed_is_no_limit() -> None:
@@ -207,3 +295,20 @@ def test_jitter_is_the_largest_deviation_of_a_step() -> None:
     assert quality.jitter == pytest.approx(0.08)
     assert quality.step == pytest.approx(1e-3)
     assert quality.lost_by_clock == 0
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.02, 2.0), st.integers(0, 99))
+def test_steps_of_the_reference_are_no_noise_of_a_command(noise: float, seed: int) -> None:
+    """A command jumps with the set point each half second, and settles within 20 ms."""
+    kicks = 8.0 * np.exp(-(np.arange(2000) % 500) / 20.0)
+    white = noise * np.random.default_rng(seed).standard_normal(2000)
+    assert usual_noise(kicks + white) == pytest.approx(noise, rel=0.2)
+    # Negative control: the same noise without a set point, and none at all.
+    assert usual_noise(white) == pytest.approx(noise, rel=0.2)
+    assert usual_noise(np.zeros(2000)) == 0.0
+
+
+def test_an_axis_at_rest_for_most_of_the_time_tells_its_noise_where_it_moves() -> None:
+    column = np.where(TIME < 1.2, 0.0, motion(noise=1e-3))
+    assert usual_noise(column) == pytest.approx(1e-3, rel=0.3)

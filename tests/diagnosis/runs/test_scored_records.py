@@ -6,11 +6,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from gmfbo.diagnosis.runs.scored_record import Record, resolution, scored_record
+from gmfbo.diagnosis.runs.scored_record import Record, scored_record
 from gmfbo.diagnosis.scoring.windows import windows_of
 from gmfbo.errors import RecordingError
 from gmfbo.recordings.recording import Recording
@@ -162,24 +160,3 @@ def test_a_recording_of_fewer_than_64_rows_is_refused_in_one_line(servo: Augment
     with pytest.raises(RecordingError, match=r"^a\.csv: expected at least 64 rows .*") as error:
         scored(servo, recording_at(clock(63)))
     assert "\n" not in str(error.value)
-
-
-@given(st.floats(1e-7, 1e3), st.integers(0, 2**32 - 1))
-def test_the_quantum_of_a_rounded_signal_is_found(quantum: float, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    smooth = 40.0 * np.sin(np.linspace(0.0, 12.0, 800)) + rng.standard_normal(800)
-    assert resolution(quantum * np.round(smooth)) == pytest.approx(quantum, rel=1e-3)
-
-
-@given(st.floats(1e-5, 1e-2), st.integers(0, 99))
-def test_counts_are_found_where_each_row_passes_many(quantum: float, seed: int) -> None:
-    steps = np.random.default_rng(seed).uniform(-90.0, 90.0, 2000)
-    assert resolution(quantum * np.floor(steps.cumsum())) == pytest.approx(quantum, rel=1e-6)
-
-
-def test_a_continuous_signal_has_no_quantum() -> None:
-    assert resolution(np.random.default_rng(0).standard_normal(500).cumsum()) == 0.0
-
-
-def test_a_constant_signal_has_no_quantum() -> None:
-    assert resolution(np.full(500, 0.3)) == 0.0

@@ -1,0 +1,40 @@
+"""Why the controller cannot be checked, in words."""
+
+from __future__ import annotations
+
+from gmfbo.sources.twin_file.twin_file import TwinFile
+
+NO_SENSOR = "the twin has no sensor port"
+
+
+def why_no_position(file: TwinFile) -> str:
+    """Say why no recording can be fed to the controller, where the position was not recorded.
+
+    Parameters
+    ----------
+    file : TwinFile
+        Of the twin.
+    """
+    if "sensor" not in file.ports:
+        return NO_SENSOR
+    return "a recording has no position to feed it with; a speed loop is not checked so far"
+
+
+def why_no_command(file: TwinFile) -> str:
+    """Say what has to be written or recorded, where no recorded command is known.
+
+    Parameters
+    ----------
+    file : TwinFile
+        Of the twin.
+    """
+    wanted = file.states.get("command")
+    if wanted is None:
+        return (
+            "the twin file states no command; write the variable that the controller computes "
+            'as command = "VARIABLE" in [states], and name it in [outputs]'
+        )
+    return (
+        f"[states] says that the command is {wanted}, which not every recording holds; record "
+        'it, or write command = "VARIABLE" there with a command that was recorded'
+    )
