@@ -22,6 +22,7 @@ from gmfbo.diagnosis import Diagnosis
 PIECES = {
     "whole": (0.0, 99.0),
     "half 1": (0.0, 12.4335),
+    "half 1, scored on half 2": (0.0, 12.4335),
     "half 2": (12.471, 99.0),
     "0-8 s": (0.0, 8.0),
     "4-14 s": (4.0, 14.0),
@@ -30,6 +31,7 @@ PIECES = {
     "12.5-24 s": (12.471, 24.0),
     "15-24.9 s": (15.0, 24.9),
 }
+SCORED_ON = {"half 1, scored on half 2": "half 2"}
 FRICTION = {"coulomb_friction", "stribeck_friction", "presliding_friction", "asymmetric_friction"}
 ONE_SIDED = {"asymmetric_friction", "constant_torque_offset", "elastic_return"}
 
@@ -57,7 +59,8 @@ def main(chosen: list[str]) -> int:
     whole = Recording.read(Path(os.environ["GMFBO_DATA"]) / "emps" / "DATA_EMPS.mat", twin)
     print("piece | right | named (probability of the set) | error of the voltage, held out | cost")
     for name in chosen or PIECES:
-        found = diagnose(twin, [piece(whole, *PIECES[name])], seed=0)
+        unseen = [piece(whole, *PIECES[SCORED_ON[name]])] if name in SCORED_ON else None
+        found = diagnose(twin, [piece(whole, *PIECES[name])], unseen, seed=0)
         named = ", ".join(f"{'|'.join(e.set)} {e.set_probability:.2f}" for e in found.effects)
         fit = found.fit.signals["drive_voltage"]
         print(
