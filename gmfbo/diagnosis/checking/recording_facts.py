@@ -63,9 +63,8 @@ def recording_facts(
     recording = scored.plan.recording
     states = states_of(case.base.simulated[record], scored)
     low, high = np.quantile(_velocity(case, recording, states), [0.005, 0.995])
-    position = _position(case, recording)
-    if position is None:
-        position = states.position
+    recorded = _position(case, recording)
+    position = states.position if recorded is None else recorded
     alignment = {
         signal.name: _against_twin(case, record, place)
         for place, signal in enumerate(scored.signals)
@@ -85,6 +84,7 @@ def recording_facts(
         columns=_columns(case, recording, states),
         alignment=alignment,
         parity=view.excess if view is not None else math.nan,
+        has_position=recorded is not None,
     )
 
 

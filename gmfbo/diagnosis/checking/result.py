@@ -166,6 +166,8 @@ class RecordingFacts:
         By signal that the twin is compared with.
     parity : float
         Mean square of the controller's residual, 1 where it is right; NaN where it was not seen.
+    has_position : bool
+        Whether a position was recorded; `position` is the twin's where not.
     """
 
     duration: float
@@ -177,6 +179,7 @@ class RecordingFacts:
     columns: Mapping[str, ColumnQuality]
     alignment: Mapping[str, SeenAlignment]
     parity: float
+    has_position: bool = True
 
     def later_by(self, seconds: float) -> RecordingFacts:
         """Tell times by a clock that shows more.

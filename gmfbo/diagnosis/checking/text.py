@@ -131,14 +131,24 @@ def _recordings(check: Check) -> list[str]:
             (
                 _cut(name, 16),
                 f"{number(facts.duration)} s",
-                f"{_hertz(facts.bandwidth)} Hz",
+                f"{_hertz(facts.bandwidth)} Hz" if math.isfinite(facts.bandwidth) else "-",
                 str(facts.reversals),
-                _range(facts.position),
+                _range(facts.position) if facts.has_position else "-",
                 _range(facts.speed),
                 _rows(facts),
             )
         )
-    return _table(rows)
+    if all(math.isfinite(facts.bandwidth) for facts in check.recordings.values()):
+        return _table(rows)
+    return [*_table(rows), *wrapped(_no_response(check), "up to -: ")]
+
+
+def _no_response(check: Check) -> str:
+    """Why a recording tells no highest frequency."""
+    if not check.responses:
+        return "no recorded input moves"
+    source = words(check.responses[0].source)
+    return f"noise hides the response to {source} at all frequencies, or the recording is too short"
 
 
 def _hertz(frequency: float) -> str:

@@ -37,9 +37,10 @@ from gmfbo.diagnosis.locating.slower_rows import (
     why_slower,
 )
 from gmfbo.diagnosis.locating.unchecked_controller import (
-    NO_SENSOR,
+    OPEN_LOOP,
     why_no_command,
     why_no_position,
+    why_no_sensor,
 )
 from gmfbo.diagnosis.locating.unrecorded_inputs import read_by_controller, why_not_judged
 from gmfbo.diagnosis.runs.scored_record import ScoredSignal
@@ -121,7 +122,7 @@ class _Checks:
     def run(self) -> Parities:
         transmission = self._transmission()
         if self.case.simulations.tracking is not None:
-            self.why_not["controller"] = "the twin is an open-loop plant"
+            self.why_not["controller"] = OPEN_LOOP
             kept = tuple(self.base.simulated)
             return Parities(None, self._open_loop(), transmission, self.why_not, held=kept)
         twin = self._held_twin()
@@ -166,7 +167,7 @@ class _Checks:
         if not twin.holds_plant:
             self.why_not["plant"] = "the twin has no torque port"
         if not twin.feeds_controller:
-            self.why_not["controller"] = NO_SENSOR
+            self.why_not["controller"] = why_no_sensor(self.case.twin.file)
         elif self.command is None:
             self.why_not["controller"] = why_no_command(self.case.twin.file)
         return twin
@@ -199,7 +200,8 @@ class _Checks:
         controller, logged = self._controller(held, self.command, size)
         if self.slower_rows:
             logged = {}
-        if not self._reads_only_what_is_known(twin, self.command):
+        # A command that comes out as recorded needs no input that nobody knows.
+        if controller.fails and not self._reads_only_what_is_known(twin, self.command):
             # What the logger stores may show all the same.
             is_clear = logged and max(logged.values()) >= CLEARLY * min(logged.values())
             return None, logged if is_clear else {}
@@ -207,8 +209,6 @@ class _Checks:
             self.why_not["controller"] = why_slower(rows, interval)
             return None, {}
         return controller, logged
-
-    # ---- null simulations -------------------------------------------------------------------
 
     def _leak(self, twin: HeldTwin, command: str, hidden: float) -> float | None:
         """Spread of the command's error in a null simulation; None where the test fails.
@@ -262,8 +262,6 @@ class _Checks:
         if runs is None:
             return 0.0
         return block_spread([self.grids[k]], [self._scored(k, twin.effort(noisy, runs[0]))])
-
-    # ---- residuals --------------------------------------------------------------------------
 
     def _controller(
         self, held: Sequence[Response], name: str, leak: float
@@ -379,8 +377,6 @@ class _Checks:
         level = float(np.hypot(self.case.noise[load].total, self.case.noise[motor].total))
         noise = level / np.sqrt(self.rows)
         return Parity(tuple(columns), tuple(self.grids), noise, self._unit(load))
-
-    # ---- columns ----------------------------------------------------------------------------
 
     def _signal(self, k: int, name: str) -> ScoredSignal:
         return next(s for s in self.records[k].signals if s.name == name)

@@ -4,7 +4,21 @@ from __future__ import annotations
 
 from gmfbo.sources.twin_file.twin_file import TwinFile
 
-NO_SENSOR = "the twin has no sensor port"
+OPEN_LOOP = "the twin is an open-loop plant"
+"""Nothing in the twin computes a command."""
+
+
+def why_no_sensor(file: TwinFile) -> str:
+    """Say why nothing can be fed to a controller: there is none, or no port leads to it.
+
+    Parameters
+    ----------
+    file : TwinFile
+        Of the twin.
+    """
+    # What a port adds to a recorded signal is computed by no controller of the twin.
+    is_recorded = file.ports.get("command") in {entry.variable for entry in file.inputs.values()}
+    return OPEN_LOOP if is_recorded else "the twin has no sensor port"
 
 
 def why_no_position(file: TwinFile) -> str:
@@ -16,7 +30,7 @@ def why_no_position(file: TwinFile) -> str:
         Of the twin.
     """
     if "sensor" not in file.ports:
-        return NO_SENSOR
+        return why_no_sensor(file)
     return "a recording has no position to feed it with; a speed loop is not checked so far"
 
 

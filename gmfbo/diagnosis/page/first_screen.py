@@ -9,7 +9,8 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.page.charts import STYLES, WORDS, before_and_after_panels
-from gmfbo.diagnosis.result.certainty import are_sure, claim_of_set, is_sure
+from gmfbo.diagnosis.result.cautions import are_sure
+from gmfbo.diagnosis.result.certainty import claim_of_set, is_sure
 from gmfbo.diagnosis.result.misaligned_columns import misaligned_sentence
 from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from gmfbo.diagnosis.result.certainty import is_sure
 from gmfbo.plain_words import interval, listed, quantity
 
 if TYPE_CHECKING:
@@ -47,6 +48,12 @@ def _drift(drifts: Mapping[str, float], unit: str) -> str:
         if values == sorted(values, reverse=True):
             return f"falls from {told[0]} to {told[-1]}"
     return f"varies between {told[low]} and {told[high]}"
+
+
+def are_sure(diagnosis: Findings) -> bool:
+    """Whether all fixed parameters that are told to be wrong are so for sure."""
+    told = (one.probability for one in diagnosis.parameters.values() if one.is_moved)
+    return all(one is None or is_sure(one) for one in told)
 
 
 def withheld_twin(diagnosis: Findings) -> str:

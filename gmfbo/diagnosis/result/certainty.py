@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 from gmfbo.plain_words import words
 
 if TYPE_CHECKING:
-    from gmfbo.diagnosis.result.findings import Findings
     from gmfbo.diagnosis.result.named_effect import NamedEffect
 
 LEAST_FOR_A_FACT = 0.8
@@ -39,12 +38,6 @@ _VERB = re.compile(rf"\b(?:{'|'.join(_WEAKER)})\b")
 def is_sure(probability: float) -> bool:
     """Whether a claim of this probability is stated as a fact; NaN is not."""
     return probability >= LEAST_FOR_A_FACT - _ROUNDING
-
-
-def are_sure(diagnosis: Findings) -> bool:
-    """Whether all fixed parameters that are told to be wrong are so for sure."""
-    told = (one.probability for one in diagnosis.parameters.values() if one.is_moved)
-    return all(one is None or is_sure(one) for one in told)
 
 
 def with_verb(statement: str, probability: float) -> str:

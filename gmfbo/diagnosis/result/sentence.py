@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gmfbo.diagnosis.result.cautions import (
+    are_sure,
     not_compared,
     range_ends,
     too_narrow_ranges,
     withheld_twin,
 )
-from gmfbo.diagnosis.result.certainty import are_sure, is_sure
+from gmfbo.diagnosis.result.certainty import is_sure
 from gmfbo.diagnosis.result.removed_error import (
     STILL_FOLLOWS,
     explains_most,

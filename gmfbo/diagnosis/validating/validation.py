@@ -245,7 +245,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     removed = squares.removed if distance > SAME else None
     is_withheld = contradicts_names(
         gains_on(nominal, seen.after), _distance(nominal, seen.after)
-    ) or {_is_worse(one) for one in signals.values()} == {True}
+    ) or {one.is_worse for one in signals.values()} == {True}
     table = Fit(
         told.split.names_fitted,
         told.split.names_held_out,
@@ -267,12 +267,6 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         distance > SAME and squares.gain_nothing and not contradicts_names(-gains, distance),
         squares,
     )
-
-
-def _is_worse(errors: SignalFit) -> bool:
-    """Whether a signal is met worse than by the twin as it came."""
-    named = np.isfinite(errors.augmented)
-    return (errors.augmented if named else errors.parameters_only) > errors.nominal
 
 
 def contradicts_names(gains: NDArray[np.float64], distance: float) -> bool:

@@ -18,7 +18,8 @@ from gmfbo.diagnosis.checking.result import Finding
 from gmfbo.diagnosis.checking.text import check_lines
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.fmu_file.models import models_folder
-from tests.diagnosis.short_recordings import BENCH, SERVO, Axis, climb, open_small
+from tests.diagnosis.servo_recordings import rewritten
+from tests.diagnosis.short_recordings import BENCH, SERVO, Axis, climb, multisine, open_small
 
 Array = NDArray[np.float64]
 Fault = Callable[[Recording], Recording]
@@ -343,6 +344,31 @@ def test_a_speed_that_is_nothing_but_rounding_is_printed_as_zero(
         if line.startswith("rec0.csv ") and " ms" in line
     )
     assert " 0 to 21 " in row
+
+
+def test_a_plant_without_controller_and_position_says_so(tmp_path: Path) -> None:
+    """Only a speed was recorded: the twin's own position is no fact of the recording."""
+    measured = {'position = "position"                       # [rad]\n': 'velocity = "velocity"\n'}
+    twin = rewritten("motor_bench", tmp_path, measured)
+    axis = replace(BENCH, noise={"velocity": 1e-2})
+    seen = check(twin, axis.recordings({}, (multisine,), twin=twin), jobs=1)
+    assert seen.parity_why_not == "the twin is an open-loop plant"
+    (facts,) = seen.recordings.values()
+    assert not facts.has_position
+    (row,) = [line for line in check_lines(seen) if line.startswith("rec0.csv ")]
+    assert row.split()[-6] == "-"
+
+
+def test_a_recording_without_a_trusted_response_says_why(
+    sound: list[Recording], quick: FmuTwin
+) -> None:
+    seen = check(quick, sound[:1], jobs=1)
+    assert not any(line.startswith("up to -: ") for line in check_lines(seen))
+    facts = replace(seen.recordings["rec0.csv"], bandwidth=float("nan"))
+    told = check_lines(replace(seen, recordings={"rec0.csv": facts}))
+    assert any(line.startswith("up to -: noise hides the response to reference") for line in told)
+    assert not any("- Hz" in line for line in told)
+    assert facts.has_position
 
 
 def test_facts_of_a_recording_are_those_that_were_recorded(

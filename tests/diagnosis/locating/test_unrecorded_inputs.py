@@ -39,17 +39,37 @@ def opened_parities(twin: FmuTwin, recordings: list[Recording]) -> Iterator[Pari
         case.simulations.close()
 
 
-@pytest.fixture(scope="module")
-def driven(tmp_path_factory: pytest.TempPathFactory) -> list[Recording]:
+def recorded_by(twin: FmuTwin) -> list[Recording]:
     axis = Axis(truth={}, gains={}, noise={})
-    twin = bench(tmp_path_factory.mktemp("driven"))
     return axis.recordings({}, [multisine], seconds=1.0, twin=twin)
 
 
-def test_controller_with_an_unrecorded_feedforward_is_not_judged(
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> list[Recording]:
+    return recorded_by(bench(tmp_path_factory.mktemp("driven")))
+
+
+@pytest.fixture(scope="module")
+def fed_forward(tmp_path_factory: pytest.TempPathFactory) -> list[Recording]:
+    """Of a drive whose feedforward is not zero."""
+    folder = tmp_path_factory.mktemp("fed")
+    return recorded_by(bench(folder, STATED.replace("0.0", "0.2")))
+
+
+def test_controller_that_computes_what_was_recorded_needs_no_unrecorded_input(
     tmp_path: Path, driven: list[Recording]
 ) -> None:
+    """Nothing is wired to the feedforward, and the command comes out without one."""
     with opened_parities(bench(tmp_path), driven) as found:
+        assert found.controller is not None
+        assert not found.controller.fails
+        assert "controller" not in found.why_not
+
+
+def test_controller_with_an_unrecorded_feedforward_is_not_judged(
+    tmp_path: Path, fed_forward: list[Recording]
+) -> None:
+    with opened_parities(bench(tmp_path), fed_forward) as found:
         assert found.controller is None
         said = found.why_not["controller"]
         assert said.startswith(
@@ -75,7 +95,8 @@ def test_which_command_was_logged_shows_beside_an_unrecorded_feedforward(
         twin=bench(tmp_path, stated),
     )
     with opened_parities(bench(tmp_path), [made]) as found:
-        assert found.controller is None
+        if feedforward:
+            assert found.controller is None
         assert logged_as(found) == logged
 
 
@@ -94,9 +115,11 @@ def test_recorded_input_voids_nothing(tmp_path: Path, driven: list[Recording]) -
         assert not found.controller.fails
 
 
-def test_input_that_one_recording_lacks_voids_all(tmp_path: Path, driven: list[Recording]) -> None:
-    with_it = driven[0].with_signals({"feedforward": np.zeros(len(driven[0]))})
-    both = [with_it, replace(driven[0], name="rec1.csv")]
+def test_input_that_one_recording_lacks_voids_all(
+    tmp_path: Path, fed_forward: list[Recording]
+) -> None:
+    with_it = fed_forward[0].with_signals({"feedforward": np.full(len(fed_forward[0]), 0.2)})
+    both = [with_it, replace(fed_forward[0], name="rec1.csv")]
     with opened_parities(bench(tmp_path, FEEDFORWARD), both) as found:
         assert found.controller is None
         assert "controller.feedforward" in found.why_not["controller"]
@@ -121,23 +144,23 @@ def test_input_of_the_plant_voids_nothing(tmp_path: Path, removed: str, name: st
 
 def test_enabling_input_that_was_not_recorded_voids_the_parity(tmp_path: Path) -> None:
     """Without it, the drive may have been off for a while: no command is right then."""
-    twin = rewritten(
-        "servo_pendulum",
-        tmp_path,
-        {
-            'enabled = "enabled"                         # 0 opens the bridge\n': "",
-            'duty = "duty"': 'voltage = "voltage"\nduty = "duty"',
-        },
-    )
+    outputs = {'duty = "duty"': 'voltage = "voltage"\nduty = "duty"'}
+    enabling = 'enabled = "enabled"                         # 0 opens the bridge\n'
+    (tmp_path / "drive").mkdir()
+    drive = rewritten("servo_pendulum", tmp_path / "drive", outputs)
+    twin = rewritten("servo_pendulum", tmp_path, outputs | {enabling: ""})
     time = 5e-3 * np.arange(300, dtype=np.float64)
-    asked = Recording(time=time, signals={"reference": multisine(time), "position": 0.0 * time})
-    with opened_parities(twin, [twin.run({}, asked)]) as found:
+    on = np.where((time > 0.5) & (time < 0.8), 0.0, 1.0)
+    signals = {"reference": multisine(time), "position": 0.0 * time, "enabled": on}
+    run = drive.run({}, Recording(time=time, signals=signals))
+    kept = {name: column for name, column in run.signals.items() if name != "enabled"}
+    with opened_parities(twin, [replace(run, signals=kept)]) as found:
         assert found.controller is None
         assert "enabled" in found.why_not["controller"]
 
 
-def test_check_says_which_input_is_missing(tmp_path: Path, driven: list[Recording]) -> None:
-    seen = check(bench(tmp_path), driven, jobs=1)
+def test_check_says_which_input_is_missing(tmp_path: Path, fed_forward: list[Recording]) -> None:
+    seen = check(bench(tmp_path), fed_forward, jobs=1)
     assert not [f for f in seen.findings if f.kind.startswith("controller")]
     told = " ".join(" ".join(check_lines(seen)).split())
     assert "controller: not checked: the controller also reads controller.feedforward" in told
