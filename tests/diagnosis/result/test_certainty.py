@@ -207,7 +207,8 @@ def test_a_law_beside_something_unknown_is_the_nearest_and_no_surer_than_it_is()
         "None of the 29 effects known here that could be tested explains all that is missing. The "
         "nearest: Coulomb friction of about 0.52 N m at the motor shaft is missing from the twin. "
         "With it the torque command error on unseen recordings falls from 30 % to 6.0 % (noise "
-        "floor 5.1 %); what is left still follows the reference. 62 % of what is more than noise is explained by no law; it depends on the velocity."
+        "floor 5.1 %); what is left still follows the reference. 62 % of what is more than "
+        "noise is explained by no law; it depends on the velocity."
     )
     told = replace(outside(), effects=weak().effects).sentence
     assert "The nearest: Coulomb friction of about 0.52 N m at the motor shaft may be" in told
