@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -38,12 +37,6 @@ class SignalFit:
     unnamed_spline: float
     noise_floor: float
     free_run: FreeRun | None = None
-
-    @property
-    def is_worse(self) -> bool:
-        """Whether the twin that is told meets this signal worse than the one that came."""
-        told = self.augmented if math.isfinite(self.augmented) else self.parameters_only
-        return told > self.nominal
 
 
 @dataclass(frozen=True)
