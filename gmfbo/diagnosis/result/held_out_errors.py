@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from gmfbo.diagnosis.result.explained import FreeRun
+
+_CHANCE = 0.1
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,16 @@ class SignalFit:
     unnamed_spline: float
     noise_floor: float
     free_run: FreeRun | None = None
+
+    @property
+    def is_worse(self) -> bool:
+        """Whether the twin that is told meets this signal worse than the one that came.
+
+        A tenth of its noise floor is chance: of a twin that lacks nothing any refit changes that.
+        """
+        told = self.augmented if math.isfinite(self.augmented) else self.parameters_only
+        floor = self.noise_floor if math.isfinite(self.noise_floor) else 0.0
+        return told > self.nominal + _CHANCE * floor
 
 
 @dataclass(frozen=True)

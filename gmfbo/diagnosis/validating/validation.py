@@ -245,7 +245,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     removed = squares.removed if distance > SAME else None
     is_withheld = contradicts_names(
         gains_on(nominal, seen.after), _distance(nominal, seen.after)
-    ) or {one.augmented > one.nominal for one in signals.values()} == {True}
+    ) or {one.is_worse for one in signals.values()} == {True}
     table = Fit(
         told.split.names_fitted,
         told.split.names_held_out,
