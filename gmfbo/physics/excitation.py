@@ -23,6 +23,10 @@ _POSITIVE = (
 )
 
 
+NOTHING = 1e-9
+"""What stands for a range that is zero: laws are scaled by it."""
+
+
 @dataclass(frozen=True)
 class Excitation:
     """Ranges that bound and scale the parameters of effects; all sizes are positive.
@@ -137,6 +141,11 @@ class Excitation:
         """
         met = self.demands or ((self.speed, self.command),)
         return max(abs(command + slope * speed) for speed, command in met)
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether there is any load, or current in its place."""
+        return self.load_range > NOTHING
 
     @property
     def load_range(self) -> float:

@@ -93,10 +93,12 @@ def repeated_rows(
     rows: NDArray[np.int64] = np.flatnonzero(still & moving) + 1
     coincidences = _coincidences(values, moving & inside)
     if quantum or coincidences:
-        by_chance = float(np.sum(_chance_of_repeat(signed, quantum)[moving & inside]))
-        by_chance = max(by_chance, coincidences)
+        chance = _chance_of_repeat(signed, quantum)
+        by_chance = max(float(np.sum(chance[moving & inside])), coincidences)
         if rows.size <= by_chance + _CHANCE * np.sqrt(by_chance + 1.0):
-            return np.zeros(0, dtype=np.int64)
+            # Where the axis passes many counts a row, one repeat in the whole column is no chance.
+            is_sure = (chance[rows - 1] < 1.0 / values.size) & (not coincidences)
+            rows = rows[is_sure]
     sticking = _sticking(steps, usual, float(np.sqrt(fast_power(values))))
     return rows[~sticking[rows - 1]]
 

@@ -214,9 +214,12 @@ def _controller(check: Check) -> list[str]:
         return wrapped(f"not checked: {check.parity_why_not}", "controller: ")
     worst = max(facts.parity for facts in check.recordings.values())
     word = "computes" if worst <= FAILS_ABOVE else "does not compute"
+    but = ""
+    if worst > FAILS_ABOVE and not check.findings:
+        word, but = "computes", ", but for a column's scale, time or offset within its tolerance"
     shown = f"{worst:.0f}" if worst >= 10.0 else f"{worst:.2f}"
     excess = f"mean square {shown}, fails above {FAILS_ABOVE:g}"
-    return [f"controller: {word} what was recorded ({excess})"]
+    return wrapped(f"{word} what was recorded{but} ({excess})", "controller: ")
 
 
 def _responses(check: Check) -> list[str]:

@@ -20,6 +20,7 @@ from gmfbo.sources.twin.response import Response
 
 _STATES = 4  # numbers that a controller keeps: integral, filter, and two earlier readings
 _ROUND_OFF = 1e-9  # of the answer while the pulse lasts: less of it later is no memory
+_LEAST_VALUES = 3  # for each number kept: of fewer, a memory would explain any fault
 _SAME = 1e-4  # of the largest independent answer: less is the twin's round-off and leaks
 
 Column = NDArray[np.float64]
@@ -58,9 +59,9 @@ def beside_memory(values: Column, answers: Column) -> Column:
     """
     known = np.isfinite(values)
     size = np.sqrt(np.mean(answers[known] ** 2, axis=0)) if known.any() else np.zeros(0)
-    if not size.any():
-        return values
     own = answers[:, size > 0.0] / size[size > 0.0]
+    if not size.any() or known.sum() < _LEAST_VALUES * own.shape[1]:
+        return values
     shares = np.linalg.lstsq(own[known], values[known], rcond=_SAME)[0]
     return np.asarray(values - own @ shares, dtype=np.float64)
 

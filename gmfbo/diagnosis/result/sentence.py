@@ -95,7 +95,8 @@ def _parameters(diagnosis: Findings) -> str:
     if too_narrow_ranges(diagnosis):
         return f"With such values the twin explains the difference{told}; {missing}."
     whose = "" if any(one.fixed for one in moved.values()) else "uncertain "
-    verb = "explain" if are_sure(diagnosis) else "may explain"
+    is_sure_of_all = are_sure(diagnosis) and not diagnosis.fit.twin_is_withheld
+    verb = "explain" if is_sure_of_all else "may explain"
     model = "augmented" if any(one.fixed for one in moved.values()) else "parameters_only"
     uncorrected = _uncorrected(diagnosis, model)
     return f"The twin's {whose}values {verb} the difference{told}; {missing}.{uncorrected}"

@@ -14,6 +14,7 @@ from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.physics import Excitation, States
+from gmfbo.physics.excitation import NOTHING
 
 _UNSEEN_STEP = 1e-3  # of the stroke: largest resolution assumed where none was recorded
 _REST_SHARE = 0.01  # of the fastest motion: slower is standstill
@@ -345,6 +346,6 @@ def _largest_load(states: Sequence[States]) -> float | None:
     return _positive(max(loads)) if loads else None
 
 
-def _positive(value: float | np.floating, otherwise: float = 1e-9) -> float:
+def _positive(value: float | np.floating, otherwise: float = NOTHING) -> float:
     number = float(value)
     return number if np.isfinite(number) and number > 0.0 else otherwise

@@ -4,6 +4,7 @@ import numpy as np
 
 from gmfbo.physics import friction
 from gmfbo.physics.effect import Effect, Values, positive, sentence
+from gmfbo.physics.excitation import Excitation
 from gmfbo.physics.states import Array, Mask, States
 
 
@@ -15,6 +16,12 @@ def _signal(states: States, parameters: Values) -> Array:
 def _feature(states: States) -> Array:
     largest = max(float(np.max(states.load)), np.finfo(float).tiny)
     return _signal(states, {"level": 0.5, "coefficient": 0.5 / largest})
+
+
+def _not_excited(excitation: Excitation) -> str | None:
+    if not excitation.is_loaded:
+        return "no load: the current stays at zero"
+    return friction.no_reversal(excitation)
 
 
 def _acts(states: States, parameters: Values) -> Mask:
@@ -40,7 +47,7 @@ load_dependent_friction = Effect(
     size_name="level",
     size_unit="torque",
     floor=friction.floor,
-    not_excited=friction.no_reversal,
+    not_excited=_not_excited,
     signal=_signal,
     feature=_feature,
     acts=_acts,
