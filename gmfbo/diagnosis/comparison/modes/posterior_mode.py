@@ -184,7 +184,7 @@ class ModeSearch:
             fall = before - cost
             # Steps from a start that is far off do not count: `iterations` like this one would
             # take all of the cost.
-            spent += not fall * iterations > before > 0.0
+            spent += not (fall * iterations > before > 0.0)
             damping = max(0.1 * taken.damping, 1e-7)
             columns = self._points.columns(at)
             if fall < AT_THE_END:
