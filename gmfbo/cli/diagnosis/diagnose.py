@@ -24,7 +24,7 @@ MANUAL = Manual(
     files={
         "DIR/diagnosis.json": "all of it as numbers, SI",
         "DIR/report.html": "a page with the curves, without network",
-        "DIR/augmented.fmu": "the twin with the physics in it, for any FMI tool, unless it is withheld",
+        "DIR/augmented.fmu": "the twin with the physics in it, unless withheld, for any FMI tool",
         "DIR/augmented.toml": "its twin file",
         "DIR/next.csv": "the reference to play next, where rivals remain",
     },
