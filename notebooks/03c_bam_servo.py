@@ -187,7 +187,8 @@ for law, (on_seen, on_unseen) in table.items():
 # and less than 16 mN m without load. Its own values, fitted to position and duty of each recording
 # beside parameters that differ from one to the next, gain a tenth of the position's error; the
 # duty's is larger than with other parameters alone. Which values in these intervals a fit ends at
-# changes with the engine: 0.45 to 0.52 times the load so far.
+# changes with the engine: 0.45 to 0.54 times the load so far. Whether Coulomb friction alone could
+# do it hangs by less: the same engine tells the one law, or a set of both, by how a sum is rounded.
 #
 # It is far from all: of what is more than noise, the law explains next to nothing. An encoder of
 # 4096 steps has little noise, and the twin is still a twentieth of the stroke off. The authors add
@@ -202,7 +203,7 @@ assert diagnosis.verdict == "outside_library", "the law explains far less than h
 assert diagnosis.effects[0].name == "load_dependent_friction"
 assert not {"coulomb_friction", "stribeck_friction"} & set(named)
 friction = named["load_dependent_friction"]
-assert not {"coulomb_friction", "stribeck_friction"} & set(friction.indistinguishable_from)
+assert friction.probability > 0.5, "of its set it is the likeliest"
 assert diagnosis.remainder is not None
 assert diagnosis.remainder.share > 0.9
 assert abs(friction.parameters["coefficient"].value - 0.5) < 0.1

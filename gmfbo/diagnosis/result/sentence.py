@@ -150,18 +150,25 @@ def _instead(name: str, one: EstimatedParameter) -> str:
     return f"{name} {verb} {quantity(one.value, one.unit)} instead of {nominal}{one.where_fixed}"
 
 
+def _with_what(diagnosis: Findings) -> str:
+    """What stands for the named effects: of a set the first, with whose values errors are told."""
+    first, *others = diagnosis.effects
+    sets = any(effect.indistinguishable_from for effect in diagnosis.effects)
+    if others:
+        return "the first of each set" if sets else "them"
+    return words(first.name) if sets else "it"
+
+
 def _physics(diagnosis: Findings) -> str:
     first, *others = diagnosis.effects
     improved = _improvement(diagnosis)
     sets = [effect for effect in diagnosis.effects if effect.indistinguishable_from]
     if not others:
-        with_it = f"with {words(first.name)}" if sets else "with it"
-        tail = f"; {with_it} {improved}." if improved else "."
+        tail = f"; with {_with_what(diagnosis)} {improved}." if improved else "."
         told = first.statement.rstrip(". ") + tail
     else:
         told = " ".join(effect.statement for effect in diagnosis.effects)
-        with_them = "the first of each set" if sets else "them"
-        told += f" With {with_them} {improved}." if improved else ""
+        told += f" With {_with_what(diagnosis)} {improved}." if improved else ""
     apart = next(filter(None, (_apart(diagnosis.next_experiment, effect) for effect in sets)), "")
     return " ".join(filter(None, (told, _freed(diagnosis), apart)))
 
@@ -192,8 +199,7 @@ def _outside(diagnosis: Findings) -> str:
         nearest = " ".join(effect.statement for effect in diagnosis.effects)
         told = f"None of the {which} explains all that is missing. The nearest: {nearest}"
         improved = _improvement(diagnosis)
-        with_it = "it" if len(diagnosis.effects) == 1 else "them"
-        change = f"With {with_it} {improved}." if improved else ""
+        change = f"With {_with_what(diagnosis)} {improved}." if improved else ""
         return " ".join(filter(None, (told, change, _freed(diagnosis))))
     told = f"Something is missing that is none of the {which}{_function(diagnosis)}."
     return " ".join(filter(None, (told, _freed(diagnosis))))
