@@ -110,10 +110,10 @@ def _chance_of_repeat(steps: Array, quantum: float) -> Array:
     zero with its size: a triangle as wide as a normal density of variance quantum^2 / 6. Motion
     and noise of the steps around a row make the density of its step.
     """
-    motion = median_filter(steps, _AROUND, mode="nearest")
-    spread = 1.4826 * median_filter(np.abs(steps - motion), _AROUND, mode="nearest")
     if not quantum:
         return np.zeros(steps.size)
+    motion = median_filter(steps, _AROUND, mode="nearest")
+    spread = 1.4826 * median_filter(np.abs(steps - motion), _AROUND, mode="nearest")
     variance = np.maximum(spread**2, quantum**2 / 6.0)  # recorded steps hold their rounding
     density = np.exp(-0.5 * motion**2 / variance) / np.sqrt(2.0 * np.pi * variance)
     return np.asarray(np.minimum(1.0, quantum * density), dtype=np.float64)

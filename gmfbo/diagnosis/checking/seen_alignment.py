@@ -193,9 +193,10 @@ def against_controller(case: Case, checked: Parities, rows: Sequence[str]) -> li
             excess = float(np.mean(residual**2)) / noise**2
             views.append(ControllerView(excess, UNKNOWN, UNKNOWN, ()))
             continue
-        view = _view(compared, twin, compared.computed(run.response), noise)
+        computed = compared.computed(run.response)
+        view = _view(compared, twin, computed, noise)
         if view.excess > FAILS_ABOVE:
-            view = _with_gains(compared, twin, compared.computed(run.response), view)
+            view = _with_gains(compared, twin, computed, view)
         views.append(view)
     return views
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from gmfbo.diagnosis.result.explained import FreeRun
 
-_CHANCE = 0.1
+_CHANCE = 0.1  # of a noise floor: what a refit may lose by chance
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class SignalFit:
     def is_worse(self) -> bool:
         """Whether the twin that is told meets this signal worse than the one that came.
 
-        A tenth of its noise floor is chance: of a twin that lacks nothing any refit changes that.
+        By more than chance: of a twin that lacks nothing any refit changes its errors.
         """
         told = self.augmented if math.isfinite(self.augmented) else self.parameters_only
         floor = self.noise_floor if math.isfinite(self.noise_floor) else 0.0

@@ -244,9 +244,9 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     squares, gains = seen.squares(), gains_on(seen.before, seen.after)
     removed = squares.removed if distance > SAME else None
     preferred, apart = gains_on(nominal, seen.after), _distance(nominal, seen.after)
-    is_liked_less = apart > SAME and float(preferred.sum()) < 0.0
+    is_liked_less = bool(apart > SAME and preferred.sum() < 0.0)
     is_withheld = contradicts_names(preferred, apart) or (
-        bool(is_liked_less) and all(one.is_worse for one in signals.values())
+        is_liked_less and all(one.is_worse for one in signals.values())
     )
     table = Fit(
         told.split.names_fitted,
