@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import expit
@@ -10,7 +12,7 @@ from gmfbo.diagnosis.comparison.numbers import WORTH
 from tests.benchmarks.tables.results import RESULTS
 from tests.blind.draw.measures import recalibration
 from tests.blind.draw.outcomes import read_outcomes
-from tests.blind.draw.worth import Stated, line_of, of_other_machines, stated_in
+from tests.blind.draw.worth import Stated, by_held_out, line_of, of_other_machines, stated_in
 
 DRAW = RESULTS / "diagnosis_draw" / "registered_seed_311992_9dae4c83.jsonl"
 
@@ -38,3 +40,10 @@ def test_the_line_is_found_that_claims_were_drawn_from() -> None:
 def test_the_line_in_force_is_that_of_the_registered_draw() -> None:
     stated = stated_in(list(read_outcomes(DRAW)))
     assert tuple(round(float(value), 2) for value in line_of(stated)) == WORTH
+
+
+def test_names_are_counted_by_what_held_out_recordings_say() -> None:
+    one = Stated(0.99, 100.0, True, 0.0, "axis", 1)
+    wrong, unseen = replace(one, right=False), replace(one, is_borne_out=False)
+    told = by_held_out([one, one, wrong, unseen, replace(wrong, is_physics=False)])
+    assert [line.split(": ")[-1] for line in told[-2:]] == ["2 of 3 right", "1 of 1 right"]

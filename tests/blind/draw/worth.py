@@ -47,6 +47,10 @@ class Stated:
         Of the case.
     case : int
         Its number.
+    is_borne_out : bool
+        The 95 % interval of its share of what is held out lies above zero.
+    is_physics : bool
+        The verdict is `missing_physics`.
     """
 
     belief: float
@@ -55,6 +59,8 @@ class Stated:
     left: float
     machine: str
     case: int
+    is_borne_out: bool = True
+    is_physics: bool = True
 
 
 def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
@@ -81,6 +87,8 @@ def stated_in(lines: Sequence[Mapping[str, Any]]) -> list[Stated]:
                     (line["diagnosis"]["remainder"] or {"share": 0.0})["share"],
                     judged.machine,
                     int(judged.case),
+                    ((effect["share"] or {"low": 0.0})["low"] or 0.0) > 0.0,
+                    judged.verdict == "missing_physics",
                 )
             )
     return found
@@ -173,7 +181,16 @@ def _by_worth(stated: Sequence[Stated]) -> list[str]:
     told = [f"{low:g} to {high:g}: {right} of {count}" for low, high, right, count in rows]
     left = [one.right for one in stated if one.left > MOST]
     told += ["", f"more than half is left: {sum(left)} of {len(left)}"]
-    return ["probability by the line in force: right", *told]
+    return ["probability by the line in force: right", *told, *by_held_out(stated)]
+
+
+def by_held_out(stated: Sequence[Stated]) -> list[str]:
+    """How many names of `missing_physics` were right, by what held-out recordings say of each."""
+    told = ["", "names of missing_physics whose share of what is held out"]
+    for is_borne_out, words in ((True, "is surely above zero"), (False, "is not")):
+        own = [s.right for s in stated if s.is_physics and s.is_borne_out == is_borne_out]
+        told.append(f"  {words}: {sum(own)} of {len(own)} right")
+    return told
 
 
 def by_probability(
