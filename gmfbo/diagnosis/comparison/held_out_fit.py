@@ -145,7 +145,7 @@ def _half_of(fitted: Fitted, inner: Grams) -> Array:
     return np.asarray(half, dtype=np.float64)
 
 
-def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:
+def ledger_on(unseen: Case, search: Search, ledger: Ledger, row: Fitted) -> Ledger:
     """A ledger whose paths of noise, and errors of the simulation, are those of other recordings.
 
     They may have other gains. What the logger may have averaged is free in the recordings that were
@@ -155,12 +155,14 @@ def ledger_on(unseen: Case, ledger: Ledger, row: Fitted) -> Ledger:
     ----------
     unseen : Case
         The other recordings.
+    search : Search
+        Whose twin it is.
     ledger : Ledger
         Of those that were compared.
     row : Fitted
         About which the paths are measured.
     """
-    problem = problem_on(unseen, unseen.budget.windows)
+    problem = problem_on(unseen, unseen.budget.windows, search.problem.encoder)
     kernels = kernels_of(unseen, problem)(row)
     level = ledger.levels.ports.get("sensor", 0.0)
     point = problem.point(row.hypothesis, row.x)
@@ -247,7 +249,7 @@ def _stated_on(
 ) -> Part:
     chosen = [case.budget.windows[i] for i in windows]
     problem = replace(
-        problem_on(case, chosen),
+        problem_on(case, chosen, search.problem.encoder),
         logging=search.problem.logging,
         followed=None if search.problem.followed is None else ledger.kernels,
         held_inertia=search.problem.held_inertia,

@@ -31,9 +31,10 @@ from gmfbo.diagnosis.comparison.numbers import (
 )
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, port_kernels
 from gmfbo.diagnosis.comparison.priors import coordinates_of, priors_of
-from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.problem import EncoderCounts, Problem
 from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.segments import segments_of
+from gmfbo.diagnosis.comparison.starting.encoder_counts import encoder_counts
 from gmfbo.diagnosis.comparison.starting.fixed_parameters import fixed_parameters
 from gmfbo.diagnosis.comparison.starting.pointed_starts import pointed_starts
 from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
@@ -123,19 +124,20 @@ def comparison_of(
     log : callable (str)
         Told what happens.
     """
-    problem = problem_on(case, case.budget.windows)
+    encoder = encoder_counts(case)
+    problem = problem_on(case, case.budget.windows, encoder)
     rig = case.rig
     is_open = case.simulations.tracking is not None
     kernels_at, sizes = kernels_of(case, problem), _sizes(case)
     first = _first(case, problem)
     kernels = kernels_at(first)
-    problem = replace(problem, is_counted=kernels.rounding > 0.0)
+    problem = replace(problem, is_counted=kernels.is_counted)
     ports = {*first.runs[0].response.ports, *kernels.kernels}
     if is_open and rig.position is not None:
         problem = _followed(case, problem, kernels)
     cared = {p: TOLERANCE * size for p, size in sizes.items() if p != "sensor" and p in ports}
     search = Search(
-        _elements(case, effects, passing, held),
+        _elements(case, effects, passing, held if encoder is None else {*held, encoder.parameter}),
         FitNoise(problem, _least_levels(case, problem, ports), cared, held_at_rest(case)),
         INADEQUACY_TOLERANCE * _usual_torque(case),
         kernels_at,
@@ -183,6 +185,8 @@ def kernels_of(case: Case, problem: Problem) -> Callable[[Fitted], PortKernels]:
         found = port_kernels(
             case.simulations, point, sizes, rig.position, rig.position_to_si, command
         )
+        if problem.encoder is not None:
+            found = replace(found, rounding=problem.encoder.rounding, is_counted=False)
         if is_open or "sensor" in found.kernels or rig.position is None or command is None:
             return found
         reading = rig.position, command, rig.position_to_si
@@ -208,7 +212,9 @@ def _least_levels(case: Case, problem: Problem, ports: Collection[str]) -> Level
     return Levels(sensor, own, _LEAST_JITTER_S)
 
 
-def problem_on(case: Case, windows: Sequence[Window]) -> Problem:
+def problem_on(
+    case: Case, windows: Sequence[Window], encoder: EncoderCounts | None = None
+) -> Problem:
     """State what is compared in some windows of a case.
 
     Parameters
@@ -217,6 +223,8 @@ def problem_on(case: Case, windows: Sequence[Window]) -> Problem:
         Twin and recordings.
     windows : sequence of Window
         In order.
+    encoder : EncoderCounts, optional
+        Without which the twin is simulated.
     """
     records, rig = case.simulations.records, case.rig
     segments = segments_of(records, windows, SETTLING * case.setting.excitation.loop_time)
@@ -233,7 +241,7 @@ def problem_on(case: Case, windows: Sequence[Window]) -> Problem:
     shortest = STRETCH_LOOP_TIMES * max(case.setting.excitation.loop_time, TORQUE_TIME)
     rows = sum(s.time.size for s in segments)
     stretch = max(64, int(shortest / segments[0].spacing), rows // _MOST_STRETCHES)
-    return Problem(case.simulations, segments, recorded, logging, stretch)
+    return Problem(case.simulations, segments, recorded, logging, stretch, encoder=encoder)
 
 
 def _followed(case: Case, problem: Problem, kernels: PortKernels) -> Problem:
@@ -243,16 +251,18 @@ def _followed(case: Case, problem: Problem, kernels: PortKernels) -> Problem:
 
 
 def _first(case: Case, problem: Problem) -> Fitted:
-    hypothesis = Hypothesis(case.setting)
+    hypothesis, runs = Hypothesis(case.setting), case.base.simulated
+    if problem.encoder is not None:
+        runs = case.simulations.run([problem.point(hypothesis, case.base.x)])[0]
     priors = priors_of(hypothesis, ())
-    values = problem.values(case.base.simulated)
+    values = problem.values(runs)
     return Fitted(
         hypothesis,
         (),
         priors,
         coordinates_of(priors, case.base.x),
         np.zeros(len(problem.nuisances)),
-        case.base.simulated,
+        runs,
         values,
         [y - v for y, v in zip(problem.recorded, values, strict=True)],
         [],

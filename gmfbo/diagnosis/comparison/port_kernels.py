@@ -64,6 +64,8 @@ class PortKernels:
     rounding : float
         [FMU's unit] Standard deviation of what an encoder in the twin rounds away: 0 where its
         position comes in no counts.
+    is_counted : bool
+        Whether simulations round as well.
     """
 
     kernels: Mapping[str, Mapping[str, Array]]
@@ -73,6 +75,7 @@ class PortKernels:
     controller: Array | None = None
     pushed: Pushed | None = None
     rounding: float = 0.0
+    is_counted: bool = False
     _known: dict[tuple[object, ...], Spectrum] = field(default_factory=dict)
 
     def of(self, record: int) -> PortKernels:
@@ -87,7 +90,8 @@ class PortKernels:
         level : float
             [FMU's unit] Standard deviation of all noise of the reading.
         """
-        return float(np.sqrt(max(level**2 - self.rounding**2, 0.0)))
+        known = self.rounding if self.is_counted else 0.0
+        return float(np.sqrt(max(level**2 - known**2, 0.0)))
 
     def sensed(self, noise: Array) -> dict[str, Array]:
         """[FMU's unit] What plays noise of the sensor, by port, shape (rows,).
@@ -231,7 +235,9 @@ def _in_recording(
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
     rounding = quantum / (np.sqrt(12.0) * to_si)
-    return PortKernels(kernels, step, simulated, pushed=pushed, rounding=rounding)
+    return PortKernels(
+        kernels, step, simulated, pushed=pushed, rounding=rounding, is_counted=rounding > 0.0
+    )
 
 
 def _changed(simulations: Simulations, after: Response, before: Response) -> dict[str, Array]:

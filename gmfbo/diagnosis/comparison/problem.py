@@ -21,6 +21,25 @@ Array = NDArray[np.float64]
 _RUN_AWAY = 1e6  # times a signal's range
 
 
+@dataclass(frozen=True)
+class EncoderCounts:
+    """Counts in which a twin reads its position.
+
+    Attributes
+    ----------
+    parameter : str
+        FMU parameter that sets them.
+    value : float
+        [FMU's unit] Of it, with which there are none to speak of.
+    rounding : float
+        [FMU's unit] Standard deviation of what the counts round away.
+    """
+
+    parameter: str
+    value: float
+    rounding: float
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """Recordings against an augmented twin.
@@ -43,7 +62,9 @@ class Problem:
     held_inertia : (str, float), or None
         Parameter and value for which that loop was designed.
     is_counted : bool
-        Whether the twin reads its position in counts, which small changes shuffle.
+        Whether simulations read the position in counts, which small changes shuffle.
+    encoder : EncoderCounts or None
+        Those of the twin, without which it is simulated.
     """
 
     simulations: Simulations
@@ -54,6 +75,7 @@ class Problem:
     followed: PortKernels | None = None
     held_inertia: tuple[str, float] | None = None
     is_counted: bool = False
+    encoder: EncoderCounts | None = None
 
     @property
     def ranges(self) -> Mapping[str, float]:
@@ -94,11 +116,14 @@ class Problem:
         return replace(point, own=[self._held(hypothesis.point(x_own)) for x_own in each])
 
     def _held(self, point: Point) -> Point:
-        """The same with the loop that holds an open-loop twin.
+        """The same without the counts of an encoder, or with the loop that holds an open-loop twin.
 
         A loop that holds an open-loop twin keeps its poles: else the least inertia would be held
         best, and fit best.
         """
+        if self.encoder is not None:
+            fine = {**point.parameters, self.encoder.parameter: self.encoder.value}
+            return replace(point, parameters=fine)
         tracking = self.simulations.tracking
         if tracking is None or self.held_inertia is None:
             return point

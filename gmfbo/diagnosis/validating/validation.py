@@ -146,7 +146,7 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     unseen.simulations.begins_at_rest = case.simulations.begins_at_rest
     search, ledger = decision.compared.search, decision.compared.ledger
     whole = part_of(case, search, ledger, decision.row, split.fitted).with_other_modes()
-    there_ledger = ledger_on(unseen, ledger, whole.fitted)
+    there_ledger = ledger_on(unseen, search, ledger, whole.fitted)
     there, left = [], decision.compared.scored.size_beside(decision.row.elements)
     for row in (decision.base, whole.fitted):
         run = quiet(unseen, row)

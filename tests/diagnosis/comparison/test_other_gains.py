@@ -22,7 +22,7 @@ def test_unseen_recordings_are_whitened_by_the_noise_of_their_own_gains() -> Non
         row = ledger.rows[frozenset()]
         windows = range(len(unseen.budget.windows))
         run = quiet(unseen, row)
-        part = seen_on(unseen, search, ledger_on(unseen, ledger, row), run, windows, ())
+        part = seen_on(unseen, search, ledger_on(unseen, search, ledger, row), run, windows, ())
     white = np.concatenate([z.ravel() for z in part.whitening(part.fitted.residual)])
     # Levels that were read at one gain are a little off at another; by the paths of the first gains
     # it would be ten.

@@ -40,7 +40,9 @@ def fixed_parameters(case: Case, held: Collection[str]) -> list[Uncertain]:
     return found if len(found) <= _MOST else _largest(case, found)
 
 
-def changeable(twin: FmuTwin, held: Collection[str]) -> list[Uncertain]:
+def changeable(
+    twin: FmuTwin, held: Collection[str], *, also_certain: bool = False
+) -> list[Uncertain]:
     """Real parameters that are not zero and that nothing names, about the value that runs.
 
     Many vendors declare every parameter `fixed`, which means during a run. So it tells nothing of
@@ -52,9 +54,12 @@ def changeable(twin: FmuTwin, held: Collection[str]) -> list[Uncertain]:
         With its twin file.
     held : collection of str
         As of `fixed_parameters`.
+    also_certain : bool
+        With those under `[fixed]`.
     """
     file, binding = twin.file, twin.binding
-    certain = [n for p in file.fixed.names for n in matching(p, binding.parameters)]
+    patterns = () if also_certain else file.fixed.names
+    certain = [n for p in patterns for n in matching(p, binding.parameters)]
     stated = {*file.uncertain, *file.initial, *file.gains, *certain, *held}
     found = []
     for name, bound in binding.parameters.items():

@@ -1,0 +1,72 @@
+"""The twin's own encoder counts, and the value of its parameter that leaves none."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import Case
+from gmfbo.diagnosis.comparison.problem import EncoderCounts
+from gmfbo.diagnosis.comparison.starting.fixed_parameters import changeable
+from gmfbo.diagnosis.runs.quantum import resolution
+from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.uncertain import Uncertain
+
+Array = NDArray[np.float64]
+
+_CHANGE = 1.05
+_UNLIKE = 0.1  # by which the power of the parameter in a count may differ from 1 or -1
+_FINER, _FEWEST = 1000.0, 10.0  # counts in the place of one, and how many would do
+
+
+def encoder_counts(case: Case) -> EncoderCounts | None:
+    """How to simulate the twin without the counts of its encoder; None where that is not known.
+
+    Two runs of one axis round otherwise, and the controller answers: what an encoder rounds away is
+    noise, and a simulation that has it holds noise of its own, which any small change shuffles. The
+    parameter that sets the counts is the one to which they are proportional, or inversely.
+
+    Parameters
+    ----------
+    case : Case
+        Twin and recordings.
+    """
+    signal = case.rig.position
+    if signal is None or case.simulations.tracking is not None:
+        return None
+    nominal = case.nominal[0].response.held[signal]
+    quantum = resolution(nominal)
+    if quantum == 0.0:
+        return None
+    for one in changeable(case.twin, (), also_certain=True):
+        changed = _position(case, signal, one.name, one.nominal * _CHANGE)
+        after = 0.0 if changed is None else resolution(changed)
+        power = 0.0 if after == 0.0 else float(np.log(after / quantum) / np.log(_CHANGE))
+        if abs(abs(power) - 1.0) > _UNLIKE:
+            continue
+        value = _finest(case.twin, one, power)
+        fine = _position(case, signal, one.name, value)
+        if fine is None or resolution(fine) * _FEWEST > quantum:
+            continue
+        # It is the axis that it was, but for the counts.
+        if float(np.sqrt(np.mean((fine - nominal) ** 2))) < quantum:
+            return EncoderCounts(
+                one.name, value, quantum / (np.sqrt(12.0) * case.rig.position_to_si)
+            )
+    return None
+
+
+def _finest(twin: FmuTwin, one: Uncertain, power: float) -> float:
+    """Value with a thousand times the counts, or as many as the FMU allows."""
+    value = one.nominal * _FINER ** -round(power)
+    variable = twin.binding.parameters[one.name].variable
+    if variable.minimum is not None:
+        value = max(value, variable.minimum)
+    return value if variable.maximum is None else min(value, variable.maximum)
+
+
+def _position(case: Case, signal: str, name: str, value: float) -> Array | None:
+    """[SI] Position of the first recording with another value; None where that can't be run."""
+    run = case.simulations.run_one(Point({name: value}), 0)
+    return run.response.held[signal] if run.finite else None
