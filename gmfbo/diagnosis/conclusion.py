@@ -14,7 +14,7 @@ from gmfbo.diagnosis.case.fitted_starts import told_starts
 from gmfbo.diagnosis.case.wider_ranges import stated_ranges
 from gmfbo.diagnosis.comparison.numbers import MOST, TOLD_APART
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.experiment.from_recordings import propose, propose_for
+from gmfbo.diagnosis.experiment.from_recordings import propose
 from gmfbo.diagnosis.fitting.central_slopes import with_central_slopes
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.intervals import Spread, combinations_of, estimated
@@ -198,10 +198,10 @@ class Conclusion:
             told = None
             if rivals is not None:
                 fits = [rivals.winner.fitted, *(r.fitted for r in rivals.rivals)]
-                told = propose(case, fits, Path(folder))
+                told = propose(case, fits, folder=Path(folder))
             elif self._sufficiency == "insufficient":
                 silent = [n for n, why in self.reasons.items() if why.startswith("not excited")]
-                told = propose_for(case, case.base, silent, Path(folder))
+                told = propose(case, [case.base], silent, Path(folder))
             if told is None or not told.reference:
                 return told, ""
             return told, (Path(folder) / told.reference).read_text(encoding="utf-8")

@@ -136,7 +136,7 @@ def rivals() -> Diagnosis:
                 "constant_torque_offset": "the same torque at every angle",
                 "gravity_torque": "0.2 N m more torque at 90 deg",
             },
-            "a ladder of holds over a whole turn separates them",
+            "a ladder of holds, played twice, tells constant torque offset from gravity torque",
         ),
     )
 

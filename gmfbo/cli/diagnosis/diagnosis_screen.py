@@ -163,8 +163,8 @@ def _next(diagnosis: Diagnosis) -> str:
     if not planned.reference:
         return planned.why
     apart = " from ".join(words(name) for name in planned.separates)
-    told = f"play {planned.reference}"
-    return f"{told} to tell {apart}: {planned.why}" if apart else f"{told}: {planned.why}"
+    told = f" to tell {apart}" if planned.threshold > 0.0 else ""
+    return f"play {planned.reference}{told}: {planned.why}"
 
 
 def _cost(diagnosis: Diagnosis) -> str:

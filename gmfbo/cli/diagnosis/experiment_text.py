@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from gmfbo.diagnosis.experiment.separation import ENOUGH
+from gmfbo.diagnosis.result.predictions import said
 from gmfbo.plain_words import WIDTH, number, percent, quantity, words, wrapped
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.experiment.observed import Confirmation
     from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
-    from gmfbo.diagnosis.experiment.separation import Separation
 
 INDENT = 13
 _EFFECTS = 6  # effects listed with their sizes
@@ -29,21 +30,15 @@ def experiment_lines(proposed: ProposedExperiment, written: str) -> list[str]:
     (name,) = recording.signals
     lines = _entry("play", f"{proposed.words}: {name} over {seconds:.3g} s")
     lines += _limit_lines(proposed)
-    lines += _purpose(proposed)
+    lines += _entry("why", _purpose(proposed))
     for rival, seen in proposed.predicted.items():
-        lines += _entry("predicted", f"{_said(rival)}: {seen}")
+        lines += _entry("predicted", f"{said(rival)}: {seen}")
     lines += _entry("shows", _sizes(proposed), 6)
     if proposed.hidden:
         told = "; ".join(f"{words(e.name)} ({e.why})" for e in proposed.hidden[:_EFFECTS])
         more = "; ..." if len(proposed.hidden) > _EFFECTS else ""
         lines += _entry("does not", f"{told}{more}")
     return [*lines, *_entry("written", written)]
-
-
-def _said(name: str) -> str:
-    from gmfbo.diagnosis.experiment.observed import said
-
-    return said(name)
 
 
 def _limit_lines(proposed: ProposedExperiment) -> list[str]:
@@ -68,35 +63,15 @@ def _limit_lines(proposed: ProposedExperiment) -> list[str]:
     return _entry("reaches", "; ".join(told))
 
 
-def _purpose(proposed: ProposedExperiment) -> list[str]:
-    if proposed.separation is not None:
-        return _entry("why", _separation(proposed.separation))
-    if proposed.wanted:
-        names = ", ".join(words(name) for name in proposed.wanted)
-        return _entry("why", f"it shows best what was not excited: {names}")
-    return _entry("why", "of the menu it shows most effects at the smallest sizes")
-
-
-def _separation(separation: Separation) -> str:
-    """Which rivals it tells apart, how surely, and which not."""
-    from gmfbo.diagnosis.experiment.separation import ENOUGH
-
-    def listed(pairs: Iterable[tuple[str, str]]) -> str:
-        return "; ".join(f"{_said(a)} from {_said(b)}" for a, b in pairs)
-
-    apart = separation.told_apart()
-    together = [pair for pair in separation.log_odds if pair not in apart]
-    if not apart:
-        pair, largest = max(separation.log_odds.items(), key=lambda one: one[1])
-        return (
-            f"it tells no two apart, {listed([pair])} most nearly: log odds of {number(largest)} "
-            f"nats are expected, {number(ENOUGH)} would be enough"
-        )
-    told = (
-        f"it tells {listed(apart)}: log odds of at least {number(min(apart.values()))} nats are "
-        f"expected for the true one, {number(ENOUGH)} are enough"
+def _purpose(proposed: ProposedExperiment) -> str:
+    """What it does, and how surely rivals are told apart."""
+    separation = proposed.separation
+    if separation is None or not (apart := separation.told_apart):
+        return f"it {proposed.why}"
+    return (
+        f"it {proposed.why}: log odds of at least {number(min(apart.values()))} nats are expected "
+        f"for the true one, {number(ENOUGH)} are enough"
     )
-    return f"{told}; it does not tell {listed(together)}" if together else told
 
 
 def _sizes(proposed: ProposedExperiment) -> str:
@@ -117,7 +92,7 @@ def confirmation_lines(confirmation: Confirmation, written: str) -> list[str]:
     head = ["predicted by", *(words(name) for name in signals), "distance", "behind by"]
     rows = [
         [
-            _said(p.name),
+            said(p.name),
             *(percent(p.nrmse[name]) for name in signals),
             number(p.per_residual),
             number(confirmation.behind(p)) if p is not confirmation.best else "-",

@@ -1,7 +1,8 @@
 """Propose the next recording, and compare what it shows with what was predicted.
 
-`from_recordings.propose` chooses among variations of the recordings, and
-`within_limits.propose_experiment` among safe motions within `play_limits.PlayLimits`; the latter
+`choice.choose` takes what separates rivals best, or shows best what was not excited: for
+`from_recordings.propose` among variations of the recordings, and for
+`within_limits.propose_experiment` among safe motions within `play_limits.PlayLimits`. The latter
 gives a `proposal.ProposedExperiment`. `predicted_against_observed.confirm_with` judges the new
 recording, as an `observed.Confirmation`.
 """

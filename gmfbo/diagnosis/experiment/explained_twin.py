@@ -10,12 +10,29 @@ import numpy as np
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis, Setting
 from gmfbo.diagnosis.naming.open_explanations import as_candidate
-from gmfbo.diagnosis.result.predictions import Explanation
+from gmfbo.diagnosis.result.findings import Findings
+from gmfbo.diagnosis.result.predictions import Explanation, Predictions
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.errors import InputError
 from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.uncertain import Uncertain, uncertain_of
+
+
+def saved_predictions(diagnosis: Findings) -> Predictions:
+    """Explanations of an earlier diagnosis.
+
+    Raises
+    ------
+    InputError
+        It is of a version that saved none.
+    """
+    if diagnosis.predictions is None:
+        raise InputError(
+            "expected a diagnosis that holds 'predictions', which this older one does not; "
+            "diagnose again"
+        )
+    return diagnosis.predictions
 
 
 def fitted_as_saved(explanation: Explanation, setting: Setting, twin: FmuTwin) -> Fitted:

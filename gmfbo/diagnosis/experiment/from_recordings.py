@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import math
+from collections.abc import Collection, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.experiment.menu_runs import (
-    Menu,
-    make_menu,
-    play,
-    playing,
-    reference_input,
-)
-from gmfbo.diagnosis.experiment.outcome_words import predicted_outcome
-from gmfbo.diagnosis.experiment.separation import ENOUGH, Separation, separations
+from gmfbo.diagnosis.experiment.choice import Size, choose
+from gmfbo.diagnosis.experiment.menu_runs import joined, make_menu, playing, reference_input
+from gmfbo.diagnosis.experiment.outcome_words import predicted_outcomes
+from gmfbo.diagnosis.experiment.separation import ENOUGH, Plays
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.naming.open_explanations import name_of
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
@@ -30,93 +27,60 @@ FILE_NAME = "next.csv"
 
 
 def propose(
-    case: Case, rivals: Sequence[Fitted], folder: Path | None = None, enough: float = ENOUGH
+    case: Case,
+    rivals: Sequence[Fitted],
+    effects: Sequence[str] = (),
+    folder: Path | None = None,
 ) -> NextExperiment | None:
-    """Choose the reference on which refitted rivals differ most.
+    """Choose the reference on which rivals differ most, or that excites most effects.
+
+    It goes no farther, faster or harder than the recordings.
 
     Parameters
     ----------
     case : Case
         Twin and recordings.
     rivals : sequence of Fitted
-        Hypotheses that the recordings cannot tell apart, likeliest first.
-    folder : Path or None
-        Where `next.csv` is written; None writes nothing.
-    enough : float
-        [nats] Log odds from which two rivals are told apart.
-
-    Returns
-    -------
-    NextExperiment or None
-        None where there are no two rivals or no reference that a drive could play.
-    """
-    reference = reference_input(case)
-    if reference is None or len(rivals) < 2:
-        return None
-    menu = make_menu(case, rivals[0], reference)
-    names = rival_names(rivals, {u.name for u in case.setting.uncertain})
-    with playing(case, menu):
-        played = [play(case, rival) for rival in rivals] if menu.entries else []
-        runs = {n: p for n, p in zip(names, played, strict=False) if p is not None}
-        if len(runs) < 2:
-            return None
-        plays = [(entry,) for entry in range(len(menu.entries))]
-        best = max(separations(case, menu, runs, plays), key=lambda one: one.worth(enough))
-        (entry,) = best.plays
-        told = {
-            name: predicted_outcome(case, menu.records[entry], name, entry, runs) for name in runs
-        }
-    motion = menu.entries[entry].words
-    if not best.told_apart(enough):
-        return _in_vain(motion, best, enough, told)
-    return _telling_apart(motion, best, enough, told, _write(menu, entry, folder))
-
-
-def propose_for(
-    case: Case, base: Fitted, effects: Sequence[str], folder: Path | None = None
-) -> NextExperiment | None:
-    """Choose the reference that excites most of the effects that were not excited.
-
-    Parameters
-    ----------
-    case : Case
-        Twin and recordings.
-    base : Fitted
-        The model that predicts how the axis will move.
+        Hypotheses that the recordings cannot tell apart, likeliest first; the first predicts how
+        the axis moves.
     effects : sequence of str
-        Names in the catalogue.
+        Names of effects that were not excited; asked for where there is one hypothesis only.
     folder : Path or None
         Where `next.csv` is written; None writes nothing.
 
     Returns
     -------
     NextExperiment or None
-        None where there is nothing to excite or no reference that a drive could play.
+        None where there is nothing to tell apart or to excite, or no reference that a drive could
+        play.
     """
     reference = reference_input(case)
-    if reference is None or not effects:
+    if reference is None or (len(rivals) < 2 and not effects):
         return None
-    menu = make_menu(case, base, reference)
-    if not menu.entries:
+    entries, records = make_menu(case, rivals[0], reference)
+    names = rival_names(rivals, {u.name for u in case.setting.uncertain})
+    named = dict(zip(names, rivals, strict=True))
+    with playing(case, records):
+        choice = choose(case, entries, named, effects, _excited_by(case, rivals[0]))
+    if choice is None:
         return None
-    with playing(case, menu):
-        runs = case.simulations.run([base.hypothesis.point(base.x)])[0]
-        shown = []
-        for record, run in zip(menu.records, runs, strict=True):
-            excitation = _with_entry(
-                case.setting.excitation, states_of(run, record), finite=run.finite
-            )
-            shown.append([n for n in effects if CATALOGUE[n].not_excited(excitation) is None])
-    best = max(range(len(shown)), key=lambda e: len(shown[e]))
-    if not shown[best]:
-        why = "; ".join(
-            f"{words(n)}: {CATALOGUE[n].not_excited(case.setting.excitation)}" for n in effects
-        )
-        said = f"no reference within the recorded range and speed excites them: {why}"
-        return NextExperiment("", (), 0.0, 0.0, {}, said)
-    listed = ", ".join(words(name) for name in shown[best])
-    why = f"{menu.entries[best].words}, played twice, excites what was not: {listed}"
-    return NextExperiment(_write(menu, best, folder), tuple(shown[best]), 0.0, 0.0, {}, why)
+    recording = joined(records, choice.plays, FILE_NAME)
+    if choice.names and folder is not None:
+        write_recording(recording, Path(folder) / FILE_NAME)
+    file = FILE_NAME if choice.names else ""
+    if choice.separation is None:
+        why = f"{choice.motion}, {choice.why}" if choice.names else _silent(case, effects)
+        return NextExperiment(file, choice.names, 0.0, 0.0, {}, why)
+    vain = "" if choice.names else "no experiment on the menu separates them: the best, "
+    points = {name: one.hypothesis.point(one.x) for name, one in named.items()}
+    return NextExperiment(
+        file,
+        choice.names,
+        choice.separation.worth[1],
+        ENOUGH,
+        predicted_outcomes(case, recording, points),
+        f"{vain}{choice.motion}, {choice.why}",
+    )
 
 
 def rival_names(rivals: Sequence[Fitted], uncertain: Collection[str]) -> list[str]:
@@ -137,46 +101,41 @@ def rival_names(rivals: Sequence[Fitted], uncertain: Collection[str]) -> list[st
     return names
 
 
-def _with_entry(excitation: Excitation, states: States, *, finite: bool) -> Excitation:
-    """Excitation by the recordings and one entry of the menu together."""
-    if not finite:
+def _silent(case: Case, effects: Sequence[str]) -> str:
+    why = "; ".join(
+        f"{words(n)}: {CATALOGUE[n].not_excited(case.setting.excitation)}" for n in effects
+    )
+    return f"no reference within the recorded range and speed excites them: {why}"
+
+
+def _excited_by(case: Case, base: Fitted) -> Size:
+    """Size 1 of an effect that the recordings and a run together excite, where one excites it."""
+
+    @cache
+    def states() -> list[States | None]:
+        runs = case.simulations.run([base.hypothesis.point(base.x)])[0]
+        pairs = zip(runs, case.simulations.records, strict=True)
+        return [states_of(run, record) if run.finite else None for run, record in pairs]
+
+    def size(name: str, plays: Plays) -> float:
+        moved = [one for place in plays if (one := states()[place]) is not None]
+        excited = CATALOGUE[name].not_excited(_with(case.setting.excitation, moved)) is None
+        return 1.0 if excited else math.inf
+
+    return size
+
+
+def _with(excitation: Excitation, moved: Sequence[States]) -> Excitation:
+    """Excitation by the recordings and further motions together."""
+    if not moved:
         return excitation
-    speed = float(np.quantile(np.abs(states.velocity), 0.995))
-    duration = float(states.time[-1] - states.time[0])
+    durations = [float(states.time[-1] - states.time[0]) for states in moved]
+    speeds = [float(np.quantile(np.abs(states.velocity), 0.995)) for states in moved]
     return replace(
         excitation,
-        reversals=excitation.reversals + reversals(states),
-        stroke=max(excitation.stroke, float(np.ptp(states.position))),
-        speed=max(excitation.speed, speed),
-        duration=max(excitation.duration, duration),
-        total=excitation.total + duration,
+        reversals=excitation.reversals + reversals(*moved),
+        stroke=max(excitation.stroke, *(float(np.ptp(states.position)) for states in moved)),
+        speed=max(excitation.speed, *speeds),
+        duration=max(excitation.duration, sum(durations)),
+        total=excitation.total + sum(durations),
     )
-
-
-def _telling_apart(
-    motion: str, best: Separation, enough: float, told: Mapping[str, str], file: str
-) -> NextExperiment:
-    apart = best.told_apart(enough)
-    names = tuple(n for n in told if any(n in pair for pair in apart))
-    why = f"{motion}, played twice, is where they differ most on the menu"
-    together = [f"{a} and {b}" for a, b in best.log_odds if (a, b) not in apart]
-    if together:
-        why += f"; it does not tell apart {words('; '.join(together))}"
-    return NextExperiment(file, names, min(apart.values()), enough, told, why)
-
-
-def _in_vain(
-    motion: str, best: Separation, enough: float, told: Mapping[str, str]
-) -> NextExperiment:
-    largest = max(best.log_odds.values())
-    why = (
-        "no experiment on the menu separates them: the largest predicted log odds are "
-        f"{largest:.3g} with {motion}, {enough:.3g} would be needed"
-    )
-    return NextExperiment("", (), largest, enough, told, why)
-
-
-def _write(menu: Menu, entry: int, folder: Path | None) -> str:
-    if folder is not None:
-        write_recording(menu.references[entry], Path(folder) / FILE_NAME)
-    return FILE_NAME

@@ -1,4 +1,4 @@
-"""Simulate the menu's references in place of the recordings, and compare rivals on them."""
+"""Simulate the menu's patterns in place of the recordings, and compare rivals on them."""
 
 from __future__ import annotations
 
@@ -23,25 +23,6 @@ from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 
 _MOVES = 0.99  # of a reference's power lies below its bandwidth
 _JUMP = 20.0  # times the fastest motion: a faster change in one sample is a step
-
-
-@dataclass(frozen=True, eq=False)
-class Menu:
-    """References of the menu as if they had been recorded.
-
-    Attributes
-    ----------
-    entries : tuple of MenuEntry
-        The references' patterns.
-    references : tuple of Recording
-        The patterns as recordings.
-    records : tuple of Record
-        The patterns as scored records, with the same signals as the real recordings.
-    """
-
-    entries: tuple[MenuEntry, ...]
-    references: tuple[Recording, ...]
-    records: tuple[Record, ...]
 
 
 def reference_input(case: Case) -> str | None:
@@ -115,8 +96,10 @@ def _largest_step(columns: Sequence[NDArray[np.float64]], least: float) -> float
     return largest if abs(largest) > least and inside else 0.0
 
 
-def make_menu(case: Case, base: Fitted, reference: str) -> Menu:
-    """Lay the references that are safe for this axis on the communication grid.
+def make_menu(
+    case: Case, base: Fitted, reference: str
+) -> tuple[tuple[MenuEntry, ...], tuple[Record, ...]]:
+    """Lay the patterns that are safe for this axis on the communication grid.
 
     Parameters
     ----------
@@ -126,16 +109,28 @@ def make_menu(case: Case, base: Fitted, reference: str) -> Menu:
         The model that moves like the recordings; limits are read from it.
     reference : str
         Input that the controller follows.
+
+    Returns
+    -------
+    tuple
+        Patterns, and each as a record of the recorded signals, all zero.
     """
     limits = recorded_limits(case, base, reference)
     if limits.stroke <= 0.0 or limits.speed <= 0.0 or limits.acceleration <= 0.0:
-        return Menu((), (), ())
-    entries = reference_menu(limits)
-    like = case.simulations.records[0]
-    references = tuple(_as_recording(case, like, reference, entry, limits) for entry in entries)
-    with AugmentedTwin(case.twin, substeps=case.substeps) as simulator:
-        records = tuple(_as_record(simulator, like, recording) for recording in references)
-    return Menu(entries, references, records)
+        return (), ()
+    entries, like = reference_menu(limits), case.simulations.records[0]
+    recordings = [_as_recording(case, like, reference, entry, limits) for entry in entries]
+    return entries, as_records(case, recordings)
+
+
+def joined(records: Sequence[Record], plays: Sequence[int], name: str) -> Recording:
+    """Inputs of some records one after the other, as a recording of that name."""
+    parts = [records[place].plan.recording for place in plays]
+    first = parts[0]
+    signals = {key: np.concatenate([part.signals[key] for part in parts]) for key in first.signals}
+    rows = sum(part.time.size for part in parts)
+    time = np.arange(rows, dtype=np.float64) * (first.time[1] - first.time[0])
+    return replace(first, time=time, signals=signals, name=name)
 
 
 def _as_recording(
@@ -160,6 +155,13 @@ def _as_recording(
     )
 
 
+def as_records(case: Case, references: Sequence[Recording]) -> tuple[Record, ...]:
+    """References as if the signals of the recordings had been recorded along them, all zero."""
+    like = case.simulations.records[0]
+    with AugmentedTwin(case.twin, substeps=case.substeps) as simulator:
+        return tuple(_as_record(simulator, like, recording) for recording in references)
+
+
 def _as_record(simulator: AugmentedTwin, like: Record, recording: Recording) -> Record:
     plan = simulator.plan(recording, {})
     start, end = float(recording.time[0]), float(recording.time[-1])
@@ -172,10 +174,10 @@ def _as_record(simulator: AugmentedTwin, like: Record, recording: Recording) -> 
 
 
 @contextmanager
-def playing(case: Case, menu: Menu) -> Iterator[None]:
-    """Let the simulators of a case play the menu for a while."""
+def playing(case: Case, records: tuple[Record, ...]) -> Iterator[None]:
+    """Let the simulators of a case play something else for a while."""
     recorded = case.simulations.records
-    case.simulations.replace_records(menu.records)
+    case.simulations.replace_records(records)
     try:
         yield
     finally:
@@ -211,9 +213,9 @@ def play(case: Case, rival: Fitted) -> Played | None:
     return Played(simulated, columns)
 
 
-def whitener_of(case: Case, menu: Menu, entry: int, simulated: Simulated) -> Whitener:
-    """Whitener of one entry, by noise, tolerance and the nuisances of every rig."""
-    record = menu.records[entry]
+def whitener_of(case: Case, entry: int, simulated: Simulated) -> Whitener:
+    """Whitener of one pattern that plays now, by noise, tolerance and the nuisances of a rig."""
+    record = case.simulations.records[entry]
     rows = [slice(0, s.values.size) for s in record.signals]
     window = make_window(entry, [s.spacing for s in record.signals], rows)
     values = zip(record.signals, simulated.signals, strict=True)

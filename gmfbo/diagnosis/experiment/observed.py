@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from gmfbo.diagnosis.page.saving import CONFIRMATION_FILE
-from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY
+from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY, said
 from gmfbo.errors import InputError
 from gmfbo.files.durable import cause, write_whole
-from gmfbo.plain_words import words
 
 FILE_NAME = CONFIRMATION_FILE
 SCHEMA = 1
@@ -166,11 +165,6 @@ class Confirmation:
 def _times_noise(per_residual: float) -> str:
     """Root mean square of what is left, in standard deviations of the noise."""
     return f"{math.sqrt(max(per_residual, 0.0)):.2g}"
-
-
-def said(name: str) -> str:
-    """Name of an explanation in words."""
-    return "the refitted twin alone" if name == PARAMETERS_ONLY else words(name)
 
 
 def save_confirmation(confirmation: Confirmation, folder: Path) -> Path:

@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.experiment.menu_runs import Played
+from gmfbo.diagnosis.experiment.menu_runs import as_records, playing
+from gmfbo.diagnosis.result.predictions import said
 from gmfbo.diagnosis.runs.measured_excitation import states_of
 from gmfbo.diagnosis.runs.scored_record import Record
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.physics import States
 from gmfbo.plain_words import words
+from gmfbo.recordings.recording import Recording
 from gmfbo.units import quantity
 
 _SMOOTH_S = 0.01
@@ -22,39 +25,46 @@ _FAST = 0.7  # of the highest speed
 Column = NDArray[np.float64]
 
 
-def predicted_outcome(
-    case: Case, record: Record, name: str, entry: int, runs: Mapping[str, Played]
-) -> str:
-    """Describe where a rival differs most from another: signal, time and size.
+def predicted_outcomes(
+    case: Case, recording: Recording, points: Mapping[str, Point]
+) -> dict[str, str]:
+    """Describe where each rival differs most from another: signal, time and size.
 
     Parameters
     ----------
     case : Case
         Noise and units of the signals.
-    record : Record
+    recording : Recording
         The reference that is played.
-    name : str
-        The rival.
-    entry : int
-        Place of the reference on the menu.
-    runs : mapping of str to Played
-        All rivals.
+    points : mapping of str to Point
+        Values of twin and physics under each rival.
+
+    Returns
+    -------
+    dict of str to str
+        By rival; empty where fewer than two can follow the reference.
     """
-    own = runs[name].simulated[entry]
-    largest: tuple[float, str, int, int] | None = None
-    for other, played in runs.items():
-        if other == name:
-            continue
-        for i, signal in enumerate(record.signals):
-            apart = _smooth(own.signals[i] - played.simulated[entry].signals[i], signal.spacing)
-            row = int(np.argmax(np.abs(apart)))
-            size = float(np.abs(apart[row])) / case.noise[signal.name].total
-            if largest is None or size > largest[0]:
-                largest = (size, other, i, row)
-    assert largest is not None, "there are at least two rivals"
-    _, other, i, row = largest
-    signal = record.signals[i]
-    apart = _smooth(own.signals[i] - runs[other].simulated[entry].signals[i], signal.spacing)
+    (record,) = records = as_records(case, [recording])
+    with playing(case, records):
+        runs = case.simulations.run(list(points.values()))
+    played = {name: run for name, (run,) in zip(points, runs, strict=True) if run.finite}
+    if len(played) < 2:
+        return {}
+    return {name: _outcome(case, record, name, played) for name in played}
+
+
+def _outcome(case: Case, record: Record, name: str, played: Mapping[str, Simulated]) -> str:
+    own, signals = played[name], record.signals
+    apart, other, i = max(
+        (
+            (_smooth(own.signals[i] - run.signals[i], signal.spacing), rival, i)
+            for rival, run in played.items()
+            if rival != name
+            for i, signal in enumerate(signals)
+        ),
+        key=lambda one: float(np.abs(one[0]).max()) / case.noise[signals[one[2]].name].total,
+    )
+    row, signal = int(np.argmax(np.abs(apart))), signals[i]
     file = case.twin.file
     unit = case.twin.binding.variables[file.outputs[signal.name].variable].variable.si_unit
     value = float(_smooth(own.signals[i], signal.spacing)[row])
@@ -63,7 +73,7 @@ def predicted_outcome(
     return (
         f"the {words(signal.name)} is {quantity(value, unit)} at {time:.3f} s"
         f"{_when(states_of(own, record), time)}, {quantity(abs(float(apart[row])), unit)} {above} "
-        f"{words(other)}"
+        f"{said(other)}"
     )
 
 

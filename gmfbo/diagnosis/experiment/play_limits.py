@@ -19,6 +19,7 @@ Column = NDArray[np.float64]
 _RATES = ("velocity", "acceleration", "jerk", "torque", "duration")
 _REQUIRED = ("position", "velocity", "acceleration", "duration")
 _EXAMPLE = "position = [-0.5, 0.5]"
+_ROUNDING = 1e-9  # share that numbers may be off when they are differenced
 
 
 @dataclass(frozen=True)
@@ -156,3 +157,18 @@ def largest_rates(values: Column, spacing: float) -> dict[str, float]:
         name: float(np.abs(np.diff(values, order)).max(initial=0.0)) / spacing**order
         for order, name in enumerate(("velocity", "acceleration", "jerk"), start=1)
     }
+
+
+def shrunk(values: Column, limits: PlayLimits, start: float, spacing: float) -> Column:
+    """Shrink a motion about its start until no sample is beyond a limit."""
+    shares = [1.0]
+    for name, largest in largest_rates(values, spacing).items():
+        shares.append(limits.rate(name) / largest if largest > 0.0 else 1.0)
+    above, below = float(values.max()) - start, start - float(values.min())
+    least = _ROUNDING * (limits.high - limits.low)  # a motion may begin at the end of its range
+    shares.append((limits.high - start) / above if above > least else 1.0)
+    shares.append((start - limits.low) / below if below > least else 1.0)
+    share = min(shares)
+    if share < 1.0:
+        share *= 1.0 - _ROUNDING
+    return np.asarray(start + share * (values - start))

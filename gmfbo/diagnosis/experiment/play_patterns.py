@@ -8,14 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from gmfbo.diagnosis.experiment.play_limits import PlayLimits, largest_rates
-from gmfbo.diagnosis.experiment.reference_menu import MenuEntry, RecordedLimits, reference_menu
+from gmfbo.diagnosis.experiment.play_limits import PlayLimits, shrunk
+from gmfbo.diagnosis.experiment.reference_menu import (
+    PARTS,
+    MenuEntry,
+    RecordedLimits,
+    reference_menu,
+)
 from gmfbo.errors import InputError
 
 Column = NDArray[np.float64]
-
-PARTS = 2
-"""Number of patterns played one after the other."""
 
 _SHARES = (0.9, 0.7, 0.5, 0.35, 0.2, 0.1)  # of the time of a part, tried one after the other
 _REST_ROWS = 8  # at each end, so that differences of any order begin and end at zero
@@ -23,7 +25,6 @@ _TRAVEL = 0.15  # of velocity times duration: a range that slow patterns still c
 _FASTEST = 3.0  # times the frequency at which speed and acceleration reach their limits together
 _SLOWEST_ROWS = 10.0  # rows of a chirp's fastest cycle
 _LEAST_ROWS = 200
-_ROUNDING = 1e-9  # share that numbers may be off when they are differenced
 
 
 def play_patterns(limits: PlayLimits, start: float, spacing: float) -> tuple[MenuEntry, ...]:
@@ -52,8 +53,7 @@ def play_patterns(limits: PlayLimits, start: float, spacing: float) -> tuple[Men
     found: dict[str, MenuEntry] = {}
     for share in _SHARES:
         for entry in _menu(limits, start, spacing, share * limits.duration / PARTS):
-            once = entry.values[: entry.values.size // 2]
-            values = _at_rest(once, limits, start, spacing)
+            values = _at_rest(entry.values, limits, start, spacing)
             if values.size <= rows and np.ptp(values) > 0.0:
                 found.setdefault(entry.name, replace(entry, values=values))
     if not found:
@@ -103,29 +103,3 @@ def _at_rest(values: Column, limits: PlayLimits, start: float, spacing: float) -
         uniform_filter1d(padded - start, width, mode="nearest") if width > 1 else padded - start
     )
     return shrunk(start + rounded, limits, start, spacing)
-
-
-def shrunk(values: Column, limits: PlayLimits, start: float, spacing: float) -> Column:
-    """Shrink a motion about its start until no sample is beyond a limit.
-
-    Parameters
-    ----------
-    values : ndarray, shape (rows,)
-        [rad or m]
-    limits : PlayLimits
-        Of the axis.
-    start : float
-        [rad or m] Position about which it shrinks.
-    spacing : float
-        [s] Between rows.
-    """
-    shares = [1.0]
-    for name, largest in largest_rates(values, spacing).items():
-        shares.append(limits.rate(name) / largest if largest > 0.0 else 1.0)
-    above, below = float(values.max()) - start, start - float(values.min())
-    shares.append((limits.high - start) / above if above > 0.0 else 1.0)
-    shares.append((start - limits.low) / below if below > 0.0 else 1.0)
-    share = min(shares)
-    if share < 1.0:
-        share *= 1.0 - _ROUNDING
-    return np.asarray(start + share * (values - start))

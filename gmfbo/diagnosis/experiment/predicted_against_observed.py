@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.open_case import open_case
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.experiment.explained_twin import check_known, points_of
-from gmfbo.diagnosis.experiment.menu_runs import Menu, playing
+from gmfbo.diagnosis.experiment.explained_twin import check_known, points_of, saved_predictions
+from gmfbo.diagnosis.experiment.menu_runs import playing
 from gmfbo.diagnosis.experiment.observed import Confirmation, Prediction
 from gmfbo.diagnosis.result.predictions import Explanation, Predictions
 from gmfbo.diagnosis.runs.scored_record import Record
@@ -23,7 +23,7 @@ from gmfbo.diagnosis.scoring.noise_levels import (
 )
 from gmfbo.diagnosis.scoring.nuisances import Direction, actuator_directions, record_directions
 from gmfbo.diagnosis.scoring.whitening import Spectrum, Whitener, Window
-from gmfbo.errors import InputError, SimulationError
+from gmfbo.errors import SimulationError
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.twin import FmuTwin
 
@@ -66,12 +66,7 @@ def confirm_with(
     SimulationError
         The twin cannot follow the recording under any explanation.
     """
-    told = diagnosis.predictions
-    if told is None:
-        raise InputError(
-            "expected a diagnosis that holds 'predictions', which this older one does not; "
-            "diagnose again"
-        )
+    told = saved_predictions(diagnosis)
     for explanation in told.explanations:
         check_known(explanation, twin)
     case = _opened(twin, told, recording, seed, jobs)
@@ -102,7 +97,7 @@ class _Judge:
         case = self.case
         points = points_of(self.told.explanations, case.setting, self.twin)
         # A prediction cannot know the noise of the recording: the budget holds all of it.
-        with playing(case, Menu((), (), (self.record,))):
+        with playing(case, (self.record,)):
             return self._judged(name, points)
 
     def _judged(self, name: str, points: Mapping[str, Point]) -> Confirmation:

@@ -22,6 +22,8 @@ class ProposedExperiment:
         Reference that a drive plays.
     words : str
         Its description: "a slow triangle, then a chirp".
+    why : str
+        What it does, as the rest of a sentence.
     limits : PlayLimits
         Limits that were given.
     peaks : Peaks
@@ -40,6 +42,7 @@ class ProposedExperiment:
 
     recording: Recording
     words: str
+    why: str
     limits: PlayLimits
     peaks: Peaks
     shows: Mapping[str, DetectableSize]

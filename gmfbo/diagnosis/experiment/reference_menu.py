@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from gmfbo.diagnosis.experiment.play_limits import PlayLimits, shrunk
+
 _ROUNDED = 0.3  # of a piece of a path: most that its corners take
 _SMALL = 0.2  # of the large amplitude
 _CYCLES = (3, 12)
@@ -17,6 +19,9 @@ _LADDER = 4
 _LONGEST = 4.0  # times the longest recording; a longer reference is left out
 
 Column = NDArray[np.float64]
+
+PARTS = 2
+"""Number of patterns that are played one after the other."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,7 @@ class RecordedLimits:
 
 @dataclass(frozen=True, eq=False)
 class MenuEntry:
-    """One reference.
+    """One pattern.
 
     Attributes
     ----------
@@ -70,7 +75,7 @@ class MenuEntry:
     words : str
         For a sentence, with its article.
     values : ndarray, shape (rows,)
-        [SI] The pattern, played twice.
+        [SI] From the start, and back to it.
     """
 
     name: str
@@ -79,7 +84,7 @@ class MenuEntry:
 
 
 def reference_menu(limits: RecordedLimits) -> tuple[MenuEntry, ...]:
-    """Build the references that these limits allow."""
+    """Build the patterns that these limits allow, each to be played before or after another."""
     entries = [
         MenuEntry("slow_triangle", "a slow triangle", _triangle(limits)),
         MenuEntry("hold_ladder", "a ladder of holds", _ladder(limits)),
@@ -89,10 +94,14 @@ def reference_menu(limits: RecordedLimits) -> tuple[MenuEntry, ...]:
     rows = _LONGEST * limits.duration / limits.spacing
     short = [entry for entry in entries if entry.values.size < rows]
     entries = short or [min(entries, key=lambda entry: entry.values.size)]
-    entries = [replace(entry, values=_within(entry.values, limits)) for entry in entries]
+    bounds = PlayLimits(limits.low, limits.high, limits.speed, limits.acceleration, limits.duration)
+    entries = [
+        replace(entry, values=shrunk(entry.values, bounds, limits.start, limits.spacing))
+        for entry in entries
+    ]
     if limits.step:
         entries.append(MenuEntry("step", "a step", _step(limits)))
-    return tuple(replace(e, values=np.concatenate([e.values, e.values])) for e in entries)
+    return tuple(entries)
 
 
 def _triangle(limits: RecordedLimits) -> Column:
@@ -204,15 +213,3 @@ def _rise(x: Column) -> Column:
     """Go from 0 to 1 with no slope at both ends, shape as x."""
     inside = np.clip(x, 0.0, 1.0)
     return np.asarray(inside * inside * (3.0 - 2.0 * inside))
-
-
-def _within(values: Column, limits: RecordedLimits) -> Column:
-    """Shrink about the start until no sample is beyond a limit."""
-    speed = np.abs(np.diff(values)).max() / limits.spacing
-    acceleration = np.abs(np.diff(values, 2)).max() / limits.spacing**2
-    share = min(
-        1.0,
-        limits.speed / max(speed, 1e-300),
-        limits.acceleration / max(acceleration, 1e-300),
-    )
-    return np.asarray(limits.start + share * (values - limits.start))

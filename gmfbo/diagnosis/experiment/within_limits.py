@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from itertools import combinations_with_replacement
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,24 +13,22 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.checking.nominal_case import open_nominal
 from gmfbo.diagnosis.checking.showable_sizes import Excited, showable_sizes
 from gmfbo.diagnosis.diagnosis import Diagnosis
-from gmfbo.diagnosis.experiment.explained_twin import fitted_as_saved, points_of
-from gmfbo.diagnosis.experiment.menu_runs import Menu, Played, play, playing
-from gmfbo.diagnosis.experiment.outcome_words import predicted_outcome
+from gmfbo.diagnosis.experiment.choice import Size, choose
+from gmfbo.diagnosis.experiment.explained_twin import fitted_as_saved, points_of, saved_predictions
+from gmfbo.diagnosis.experiment.outcome_words import predicted_outcomes
 from gmfbo.diagnosis.experiment.play_limits import PlayLimits
 from gmfbo.diagnosis.experiment.play_patterns import play_patterns
 from gmfbo.diagnosis.experiment.played_input import played_input
 from gmfbo.diagnosis.experiment.proposal import ProposedExperiment
 from gmfbo.diagnosis.experiment.reference_menu import MenuEntry
 from gmfbo.diagnosis.experiment.safe_player import Peaks, SafePlayer
-from gmfbo.diagnosis.experiment.separation import Plays, Separation, separations
+from gmfbo.diagnosis.experiment.separation import Plays
 from gmfbo.diagnosis.result.named_effect import DetectableSize
-from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY, Explanation
-from gmfbo.diagnosis.runs.scored_record import scored_record
+from gmfbo.diagnosis.result.predictions import PARAMETERS_ONLY
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.errors import InputError, SimulationError
 from gmfbo.plain_words import NOT_EXCITED
 from gmfbo.recordings.recording import Recording
-from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.version import __version__
 
@@ -42,7 +39,7 @@ POSITION_NOISE, OTHER_NOISE = 1e-4, 2e-3
 """Assumed noise, as a share of a signal's range, without a diagnosis that measured it."""
 
 _SUBSTEPS = 5  # substeps of a communication step while only limits are checked
-_UNSEEN = 100.0  # times the smallest size: an effect that does not show counts as this large
+_MOST_EFFECTS = "shows, of the menu, most effects at the smallest sizes"
 
 
 def propose_experiment(
@@ -83,45 +80,84 @@ def propose_experiment(
         The twin cannot follow what would be played.
     """
     told = progress or (lambda stage, share: None)
-    explanations = _explanations(diagnosis)
+    explanations = () if diagnosis is None else saved_predictions(diagnosis).explanations
     points = [Point(), *(Point(e.parameters, e.physics) for e in explanations)]
     played = played_input(twin)
     with SafePlayer(twin, played, limits, _SUBSTEPS, points) as player:
         told("keeping the limits", 0.02)
         patterns = _playable(player, limits)
-        records = [player.reference(column, entry.name) for entry, column in patterns]
-        noisy = _as_recorded(twin, records, diagnosis, np.random.default_rng(seed))
+        references = [player.reference(column, entry.name) for entry, column in patterns]
+        noisy = _as_recorded(twin, references, diagnosis, np.random.default_rng(seed))
         told("running the patterns", 0.1)
         case = open_nominal(twin, noisy, seed=seed, jobs=jobs, on_run=lambda: None).case
         try:
-            choice = _Choice(case, [entry for entry, _ in patterns], diagnosis, explanations, told)
-            column, peaks = _joined(player, limits, [patterns[place] for place in choice.best])
-            told("predicting", 0.95)
-            recording = player.reference(column, "next.csv")
-            return choice.proposed(recording, limits, peaks)
+            return _proposed(case, patterns, player, diagnosis, told)
         finally:
             case.simulations.close()
 
 
-def _explanations(diagnosis: Diagnosis | None) -> tuple[Explanation, ...]:
-    if diagnosis is None:
-        return ()
-    if diagnosis.predictions is None:
-        raise InputError(
-            "expected a diagnosis that holds 'predictions', which this older one does not; "
-            "diagnose again"
-        )
-    return diagnosis.predictions.explanations
+def _proposed(
+    case: Case,
+    patterns: Sequence[Pattern],
+    player: SafePlayer,
+    diagnosis: Diagnosis | None,
+    told: Progress,
+) -> ProposedExperiment:
+    twin = case.twin
+    explanations = () if diagnosis is None else saved_predictions(diagnosis).explanations
+    excited = showable_sizes(case, lambda share: told("screening the library", 0.2 + 0.6 * share))
+    wanted = _wanted(diagnosis, excited)
+    named = [e for e in explanations if e.name != PARAMETERS_ONLY]
+    rivals = named if len(named) > 1 else []
+    told("choosing the patterns", 0.82)
+    entries = [entry for entry, _ in patterns]
+    fits = {e.name: fitted_as_saved(e, case.setting, twin) for e in rivals}
+    size = _shown_by(excited, [record.name for record in case.simulations.records])
+    choice = choose(case, entries, fits, wanted or tuple(excited.showable), size)
+    if choice is None:
+        raise SimulationError(f"{twin.name}: the twin cannot follow the patterns under the rivals")
+    column, peaks = _joined(player, [patterns[place] for place in choice.plays])
+    told("predicting", 0.95)
+    recording = player.reference(column, "next.csv")
+    sizes = {name: size(name, choice.plays) for name in excited.showable}
+    shows = {
+        name: DetectableSize(excited.showable[name].parameter, least, excited.showable[name].unit)
+        for name, least in sizes.items()
+        if math.isfinite(least)
+    }
+    points = points_of(rivals or explanations, case.setting, twin)
+    return ProposedExperiment(
+        recording=recording,
+        words=choice.motion,
+        why=choice.why if rivals or (wanted and choice.shown) else _MOST_EFFECTS,
+        limits=player.limits,
+        peaks=peaks,
+        shows=shows,
+        hidden=excited.not_testable,
+        wanted=tuple(name for name in wanted if name in shows),
+        separation=choice.separation,
+        predicted=predicted_outcomes(case, recording, points) if len(points) > 1 else {},
+    )
 
 
-def _joined(
-    player: SafePlayer, limits: PlayLimits, patterns: Sequence[Pattern]
-) -> tuple[NDArray[np.float64], Peaks]:
+def _shown_by(excited: Excited, patterns: Sequence[str]) -> Size:
+    """Smallest size that a run shows: what each of its patterns tells adds up."""
+
+    def size(name: str, plays: Plays) -> float:
+        seen = excited.showable[name]
+        alone = [seen.alone.get(patterns[place], math.inf) for place in plays]
+        told = sum(own**-2.0 for own in alone if math.isfinite(own) and own > 0.0)
+        return max(told**-0.5, seen.floor) if told > 0.0 else math.inf
+
+    return size
+
+
+def _joined(player: SafePlayer, patterns: Sequence[Pattern]) -> tuple[NDArray[np.float64], Peaks]:
     """Column that plays patterns one after the other, within the limits, and its peaks."""
     motion = np.concatenate([entry.values for entry, _ in patterns])
     column = np.concatenate([played for _, played in patterns])
     peaks = player.peaks(motion, column)
-    if peaks.excess(limits, float(motion[0])) > 1.0:
+    if peaks.excess(player.limits, float(motion[0])) > 1.0:
         # One after the other they go a little further than each by itself.
         _, column, peaks, _ = player.shrunk(motion)
     return column, peaks
@@ -180,127 +216,6 @@ def _as_recorded(
             )
         )
     return recordings
-
-
-class _Choice:
-    """Chooses two patterns, and gathers what they show."""
-
-    def __init__(
-        self,
-        case: Case,
-        entries: Sequence[MenuEntry],
-        diagnosis: Diagnosis | None,
-        explanations: Sequence[Explanation],
-        progress: Progress,
-    ) -> None:
-        self.case, self.entries, self.explanations = case, tuple(entries), tuple(explanations)
-        self.progress = progress
-        named = [e for e in explanations if e.name != PARAMETERS_ONLY]
-        self.rivals = tuple(named) if len(named) > 1 else ()
-        self.excited = showable_sizes(
-            case, lambda share: progress("screening the library", 0.2 + 0.6 * share)
-        )
-        self.wanted = _wanted(diagnosis, self.excited)
-        self.separation: Separation | None = None
-        pairs = list(combinations_with_replacement(range(len(self.entries)), 2))
-        if self.rivals:
-            progress("playing the rivals", 0.82)
-            self.separation = max(self._separations(pairs), key=lambda one: one.worth())
-            self.best: Plays = self.separation.plays
-        else:
-            self.best = min(pairs, key=self._badness)
-
-    @property
-    def words(self) -> str:
-        first, second = (self.entries[place].words for place in self.best)
-        return f"{first}, played twice" if first == second else f"{first}, then {second}"
-
-    def proposed(
-        self, recording: Recording, limits: PlayLimits, peaks: Peaks
-    ) -> ProposedExperiment:
-        sizes = {name: self._size(name, self.best) for name in self.excited.showable}
-        shows = {
-            name: DetectableSize(
-                self.excited.showable[name].parameter, size, self.excited.showable[name].unit
-            )
-            for name, size in sizes.items()
-            if math.isfinite(size)
-        }
-        return ProposedExperiment(
-            recording=recording,
-            words=self.words,
-            limits=limits,
-            peaks=peaks,
-            shows=shows,
-            hidden=self.excited.not_testable,
-            wanted=tuple(name for name in self.wanted if name in shows),
-            separation=self.separation,
-            predicted=self._predicted(recording),
-        )
-
-    # ---- what it shows -----------------------------------------------------------------------
-
-    def _size(self, name: str, pair: Plays) -> float:
-        """Smallest size that two patterns show: what each tells adds up."""
-        seen = self.excited.showable[name]
-        records = self.case.simulations.records
-        alone = [seen.alone.get(records[place].name, math.inf) for place in pair]
-        told = sum(size**-2.0 for size in alone if math.isfinite(size) and size > 0.0)
-        return max(told**-0.5, seen.floor) if told > 0.0 else math.inf
-
-    def _badness(self, pair: Plays) -> float:
-        """Mean logarithm of the sizes, each relative to the smallest that any two would show."""
-        names = self.wanted or tuple(self.excited.showable)
-        total = 0.0
-        for name in names:
-            least = min(
-                self._size(name, other)
-                for other in combinations_with_replacement(range(len(self.entries)), 2)
-            )
-            size = self._size(name, pair)
-            if math.isfinite(least):
-                total += math.log(min(size / least, _UNSEEN))
-        return total
-
-    # ---- what tells rivals apart -------------------------------------------------------------
-
-    def _separations(self, pairs: Sequence[Plays]) -> list[Separation]:
-        """What each two patterns tell of the rivals."""
-        case = self.case
-        runs = {}
-        for rival in self.rivals:
-            done = play(case, fitted_as_saved(rival, case.setting, case.twin))
-            if done is not None:
-                runs[rival.name] = done
-        if len(runs) < 2:
-            raise SimulationError(
-                f"{case.twin.name}: the twin cannot follow the patterns under the rivals"
-            )
-        return separations(case, Menu(self.entries, (), case.simulations.records), runs, pairs)
-
-    def _predicted(self, recording: Recording) -> dict[str, str]:
-        """Predicted outcome under each explanation; empty where there is only one."""
-        case = self.case
-        shown = self.rivals or self.explanations
-        if len(shown) < 2:
-            return {}
-        like = case.simulations.records[0]
-        with AugmentedTwin(case.twin, substeps=case.substeps) as simulator:
-            plan = simulator.plan(recording, {})
-        columns = {s.name: np.zeros(recording.time.size) for s in like.signals}
-        made = replace(recording, signals={**recording.signals, **columns})
-        record = scored_record(made, plan, list(columns), 0.0)
-        points = points_of(shown, case.setting, case.twin)
-        with playing(case, Menu((), (), (record,))):
-            runs = case.simulations.run(list(points.values()))
-        played = {
-            name: Played(list(run), [])
-            for name, run in zip(points, runs, strict=True)
-            if all(one.finite for one in run)
-        }
-        if len(played) < 2:
-            return {}
-        return {name: predicted_outcome(case, record, name, 0, played) for name in played}
 
 
 def _wanted(diagnosis: Diagnosis | None, excited: Excited) -> tuple[str, ...]:

@@ -95,17 +95,16 @@ def _next(diagnosis: Findings) -> list[str]:
         return []
     play = f"Play <b>{escape(planned.reference)}</b>" if planned.reference else "Record more"
     told = f"<p>{play}: {escape(planned.why.rstrip('.'))}.</p>"
-    if planned.separates:
-        apart = " from ".join(words(name) for name in planned.separates)
+    if planned.separates and planned.threshold > 0.0:
         enough = "enough" if planned.distance >= planned.threshold else "not enough"
         distance = marked_number(("next_experiment", "distance"), planned.distance)
         threshold = marked_number(("next_experiment", "threshold"), planned.threshold)
         told += (
-            f"<p>It tells {escape(apart)}: log odds of {distance} nats are expected for the true "
-            f"one; {threshold} would do, so it is {enough} to decide.</p>"
+            f"<p>Log odds of at least {distance} nats are expected for the true one; {threshold} "
+            f"would do, so it is {enough} to decide.</p>"
         )
     rows = [[escape(words(name)), escape(what)] for name, what in planned.predicted.items()]
-    return [told, table(["if it is", "then"], rows)]
+    return [told, table(["if it is", "then"], rows) if rows else ""]
 
 
 def _data(diagnosis: Findings) -> str:

@@ -5,8 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from gmfbo.plain_words import words
+
 PARAMETERS_ONLY = "parameters"
 """Name of the explanation without physics: the refitted twin."""
+
+
+def said(name: str) -> str:
+    """Name of an explanation in words."""
+    return "the refitted twin alone" if name == PARAMETERS_ONLY else words(name)
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ def played(proposed: ProposedExperiment, physics: dict[str, float]) -> Recording
 def test_it_is_chosen_to_tell_the_rivals_apart(proposed: ProposedExperiment) -> None:
     assert set(proposed.rivals) == set(RIVALS)
     assert proposed.separation is not None
-    assert set(proposed.separation.told_apart()) == {RIVALS}
+    assert set(proposed.separation.told_apart) == {RIVALS}
     assert set(proposed.predicted) == set(RIVALS)
 
 

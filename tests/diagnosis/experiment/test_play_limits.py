@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from gmfbo import FmuTwin
 from gmfbo.diagnosis.experiment.play_limits import PlayLimits, largest_rates
-from gmfbo.diagnosis.experiment.play_patterns import PARTS, play_patterns
+from gmfbo.diagnosis.experiment.play_patterns import play_patterns
 from gmfbo.diagnosis.experiment.played_input import effort_for, imposed_velocity, played_input
+from gmfbo.diagnosis.experiment.reference_menu import PARTS
 from gmfbo.diagnosis.experiment.safe_player import SafePlayer
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.errors import InputError
