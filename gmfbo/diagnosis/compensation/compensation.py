@@ -21,6 +21,12 @@ _CURVE_LEFT_OUT = (
     "with them"
 )
 
+_OLDER_RANGE = (
+    "this older diagnosis does not say how fast the axis moved: tables over the velocity reach to "
+    "125 times the smoothing and stay constant beyond"
+)
+_OLDER = "its table needs more than this older diagnosis holds: diagnose again"
+
 
 def compensation_of(
     diagnosis: Diagnosis, name: str, smoothing: float | None = None
@@ -45,26 +51,34 @@ def compensation_of(
     Raises
     ------
     InputError
-        No named effect can be cancelled, or the diagnosis is of an older version.
+        No named effect can be cancelled, or the diagnosis is of a version that did not save how
+        fast the axis moved and no smoothing is given.
     """
-    told = diagnosis.predictions
-    if told is None:
-        raise InputError(
-            f"{name}: expected a diagnosis that holds 'predictions', which this older one does "
-            "not; diagnose again"
-        )
     if smoothing is not None and not (np.isfinite(smoothing) and smoothing > 0.0):
         raise InputError(f"--smoothing: expected a velocity above zero, got {smoothing:g}")
-    ground = _ground(told.spans, smoothing)
+    told = diagnosis.predictions
+    ground = (
+        _older_ground(diagnosis, name, smoothing)
+        if told is None
+        else _ground(told.spans, smoothing)
+    )
     tables: list[CompensationTable] = []
     left: list[NotCompensated] = []
     for effect in diagnosis.effects:
-        found = compensating_tables(effect.name, _values(effect, told), ground)
+        try:
+            found = compensating_tables(effect.name, _values(effect, told), ground)
+        except KeyError:  # a range or a fixed value that an older diagnosis does not hold
+            if told is not None:
+                raise
+            left.append(NotCompensated(effect.name, _OLDER))
+            continue
         tables += found
         if not found:
             left.append(NotCompensated(effect.name, ADVICE.get(effect.name, "tune with it")))
     curve = _unnamed(diagnosis, ground)
     remarks = _remarks(diagnosis)
+    if told is None:
+        remarks += (_OLDER_RANGE,)
     if curve and tables:
         remarks += (_CURVE_LEFT_OUT,)
     tables = tables or curve
@@ -80,13 +94,30 @@ def _ground(spans: Mapping[str, Span], smoothing: float | None) -> Ground:
     return Ground(spans, smoothing or REST_SHARE * speed, units)
 
 
-def _values(effect: NamedEffect, told: Predictions) -> dict[str, float]:
-    """Identified parameter values, with the fixed ones."""
+def _older_ground(diagnosis: Diagnosis, name: str, smoothing: float | None) -> Ground:
+    """Ground of a diagnosis without recorded ranges: the smoothing tells the fastest motion."""
+    if smoothing is None:
+        raise InputError(
+            f"{name}: this older diagnosis does not say how fast the axis moved; give --smoothing "
+            "VELOCITY, 1 % of the fastest motion, or diagnose again"
+        )
+    units = {one.unit for effect in diagnosis.effects for one in effect.parameters.values()}
+    if diagnosis.shape is not None:
+        units |= {diagnosis.shape.unit_x, diagnosis.shape.unit_y}
+    turns = any("rad" in unit or "N.m" in unit for unit in units)
+    length, torque = ("rad", "N.m") if turns else ("m", "N")
+    fastest = smoothing / REST_SHARE
+    known = {"velocity": Span(-fastest, fastest, f"{length}/s")}
+    more = {"position": length, "torque": torque, "reference": length}
+    return Ground(known, smoothing, {"velocity": f"{length}/s", **more})
+
+
+def _values(effect: NamedEffect, told: Predictions | None) -> dict[str, float]:
+    """Identified parameter values, with the fixed ones where they were saved."""
     head = f"{effect.name}."
+    physics = {} if told is None else told.explanations[0].physics
     fixed = {
-        name.removeprefix(head): value
-        for name, value in told.explanations[0].physics.items()
-        if name.startswith(head)
+        name.removeprefix(head): value for name, value in physics.items() if name.startswith(head)
     }
     return {**fixed, **{name: one.value for name, one in effect.parameters.items()}}
 
