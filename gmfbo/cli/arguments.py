@@ -9,9 +9,34 @@ import typer
 
 from gmfbo.cli.completion import paths_ending
 
+
+def _not_withheld(twin: Path) -> Path:
+    """Refuse the twin of a diagnosis that handed none back, with the reason and the twin to use."""
+    told = twin.with_name("diagnosis.json")
+    if twin.name != "augmented.toml" or twin.exists() or not told.is_file():
+        return twin
+    from gmfbo.diagnosis import Diagnosis
+    from gmfbo.errors import InputError
+
+    found = Diagnosis.from_json(told)
+    if not found.fit.twin_is_withheld:
+        return twin
+    stated = [one.stated.partition(", line ")[0] for one in found.parameters.values()]
+    came = next((f", {name}" for name in stated if name), "")
+    raise InputError(
+        f"no twin file at '{twin}': the twin as it came meets the unseen recordings better, so "
+        f"the diagnosis handed none back; use the one that was diagnosed{came}"
+    )
+
+
 TwinFile = Annotated[
     Path,
-    typer.Argument(metavar="TWIN", help="Twin file (.toml).", autocompletion=paths_ending(".toml")),
+    typer.Argument(
+        metavar="TWIN",
+        help="Twin file (.toml).",
+        autocompletion=paths_ending(".toml"),
+        callback=_not_withheld,
+    ),
 ]
 
 StudyFile = Annotated[
