@@ -51,7 +51,7 @@ def test_hidden_friction_is_told(tmp_path: Path) -> None:
 
 def write_recordings_with_friction(folder: Path) -> None:
     """Four sines of the reference; the logger's position has noise that no controller read."""
-    time, rng = np.arange(2500) * 1e-3, np.random.default_rng(0)
+    time, rng = np.arange(2500, dtype=np.float64) * 1e-3, np.random.default_rng(0)
     with AugmentedTwin(FmuTwin(TWIN), substeps=10) as axis:
         for k, hertz in enumerate([0.5, 0.9, 1.4, 2.3]):
             wave = {"reference": 0.4 * np.sin(2.0 * np.pi * hertz * time)}

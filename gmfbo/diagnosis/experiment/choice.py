@@ -54,7 +54,7 @@ class Choice:
     def why(self) -> str:
         """What it does, as the rest of a sentence that begins with the motion."""
         if self.separation is None:
-            return f"shows best what was not excited: {', '.join(map(words, self.shown))}"
+            return f"excites what was not excited so far: {', '.join(map(words, self.shown))}"
         apart = self.separation.told_apart
         if not apart:
             pair, largest = max(self.separation.log_odds.items(), key=lambda one: one[1])

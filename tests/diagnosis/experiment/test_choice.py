@@ -51,7 +51,7 @@ def test_an_effect_that_nothing_shows_is_not_named(right_case: Case) -> None:
     chosen = choose(right_case, ENTRIES, {}, ["gravity_torque", "backlash"], size)
     assert chosen is not None
     assert chosen.names == ("backlash",)
-    assert chosen.why == "shows best what was not excited: backlash"
+    assert chosen.why == "excites what was not excited so far: backlash"
 
 
 def test_an_empty_menu_gives_no_choice(right_case: Case) -> None:

@@ -260,7 +260,7 @@ def test_effects_that_were_not_excited_get_a_reference_with_reversals(tmp_path: 
         planned = propose(case, [case.base], ["coulomb_friction"], tmp_path)
     assert planned is not None
     assert planned.separates == ("coulomb_friction",)
-    assert planned.why.endswith(", shows best what was not excited: coulomb friction")
+    assert planned.why.endswith(", excites what was not excited so far: coulomb friction")
     played = Recording.read(tmp_path / "next.csv", FmuTwin(SERVO)).signal("reference")
     moves = np.sign(np.diff(played))
     assert {-1.0, 1.0} <= set(moves)
