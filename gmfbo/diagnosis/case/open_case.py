@@ -248,7 +248,8 @@ class _Opening:
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         nominal = begun_at_first_rows(simulations, self.twin, nominal)
-        rig = describe_rig(self.twin.binding, simulations.records)
+        present = {s.name for record in simulations.records for s in record.signals}
+        rig = describe_rig(self.twin.binding, present)
         simulations.reading = recorded_reading(self.twin, simulations, rig, substeps)
         if rig.position is not None:
             simulations.encoder = Reading(rig.position, rig.position_to_si)

@@ -17,6 +17,8 @@ from gmfbo.diagnosis.scoring.noise_levels import fast_power
 Array = NDArray[np.float64]
 
 _AROUND = 11  # rows whose median gives the usual step around a row
+_LEAST_REPEATS = 3
+_REPEATED_SHARE = 1e-3
 _QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
 _LAGS = (2, 3)  # rows, at which a repeat is chance; after more, a drift has gone on
 _LATER = 2  # rows after a reading in which a command shows it: held for a row, and of a rate
@@ -101,6 +103,11 @@ def repeated_rows(
             rows = rows[is_sure]
     sticking = _sticking(steps, usual, float(np.sqrt(fast_power(values))))
     return rows[~sticking[rows - 1]]
+
+
+def misses_samples(repeated: int, rows: int) -> bool:
+    """Whether so many repeats in so many rows are told as a fault of the logger."""
+    return repeated >= _LEAST_REPEATS and repeated > _REPEATED_SHARE * rows
 
 
 def _chance_of_repeat(steps: Array, quantum: float) -> Array:

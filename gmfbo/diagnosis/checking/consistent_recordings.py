@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.checking.column_quality import misses_samples
 from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
 from gmfbo.diagnosis.checking.contradicted_motion import judge_motions
 from gmfbo.diagnosis.checking.nominal_case import open_nominal
+from gmfbo.diagnosis.checking.recording_facts import missed_samples
+from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS
+from gmfbo.diagnosis.scoring.signal_parts import describe_rig
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.contradiction import Doubts
 from gmfbo.sources.recorded.still_signals import still_lines
@@ -18,7 +25,7 @@ from gmfbo.sources.twin.twin import FmuTwin
 def consistent(
     twin: FmuTwin, recordings: Sequence[Recording], *, seed: int, jobs: int | None
 ) -> Usable:
-    """Unwrap angles, name what is missing, and refuse recordings that contradict the twin.
+    """Unwrap angles, blank missed samples, and refuse recordings that contradict the twin.
 
     Parameters
     ----------
@@ -46,10 +53,42 @@ def consistent(
     given = usable(twin, recordings)
     notes = judge_motions(twin, given.recordings, given.doubts, seed=seed, jobs=jobs)
     still = [line for recording in given.recordings for line in still_lines(twin, recording)]
-    given = replace(given, notes=(*given.notes, *still, *notes))
+    whole, missed = without_missed(twin, given.recordings)
+    given = replace(given, recordings=whole, notes=(*given.notes, *still, *missed, *notes))
     if given.doubts.position or given.doubts.command:
         _ask_the_controller(twin, given.recordings, given.doubts, seed, jobs)
     return given
+
+
+def without_missed(
+    twin: FmuTwin, recordings: Sequence[Recording]
+) -> tuple[tuple[Recording, ...], list[str]]:
+    """Recordings whose missed samples are blank, and a remark on each signal that had some."""
+    found, counts = [], dict[str, list[tuple[str, int, int]]]()
+    for recording in recordings:
+        outputs = [n for n in twin.file.outputs if n in recording.signals.keys() - twin.file.inputs]
+        positions = describe_rig(twin.binding, outputs).positions
+        blanked: dict[str, NDArray[np.float64]] = {}
+        for name in outputs:
+            rows = int(np.isfinite(recording.signal(name)).sum())
+            if rows < LEAST_ROWS:
+                continue
+            missed = missed_samples(twin, positions, recording, name)
+            if misses_samples(missed.size, rows):
+                blanked[name] = recording.signal(name).copy()
+                blanked[name][missed] = np.nan
+                counts.setdefault(name, []).append((recording.name, missed.size, rows))
+        found.append(recording.with_signals(blanked) if blanked else recording)
+    return tuple(found), [_blanked(name, own) for name, own in counts.items()]
+
+
+def _blanked(signal: str, counts: Sequence[tuple[str, int, int]]) -> str:
+    where = counts[0][0] if len(counts) == 1 else f"{len(counts)} recordings"
+    missed, rows = (sum(column) for column in list(zip(*counts, strict=True))[1:])
+    return (
+        f"{missed} of {rows} rows of {signal} in {where} repeat the one before while it moves: "
+        "they were taken for blank"
+    )
 
 
 def _ask_the_controller(

@@ -11,7 +11,7 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.command_signal import command_of
 from gmfbo.diagnosis.checking.alignment_findings import of_alignment
-from gmfbo.diagnosis.checking.column_quality import clipped_rows, is_latched
+from gmfbo.diagnosis.checking.column_quality import clipped_rows, is_latched, misses_samples
 from gmfbo.diagnosis.checking.result import (
     ClockQuality,
     ColumnQuality,
@@ -25,8 +25,6 @@ from gmfbo.recordings.recording import Recording
 from gmfbo.sources.recorded.missing_signals import missing_signals
 from gmfbo.sources.recorded.still_signals import CURE, still_signals
 
-_LEAST_REPEATS = 3
-_REPEATED_SHARE = 1e-3
 _BLANK_SHARE = 1e-3
 _CLIPPED_SHARE = 3e-3
 _JITTER = 0.05  # of a step; beyond 0.1 the reader notes how such a recording is followed
@@ -216,8 +214,7 @@ def _of_column(
             f"holds each value for {number(quality.refresh, 2)} rows",
             "log it at its own rate, or leave the repeated cells blank",
         )
-    share = quality.repeated / quality.rows
-    if quality.repeated >= _LEAST_REPEATS and share > _REPEATED_SHARE:
+    if misses_samples(quality.repeated, quality.rows):
         add(
             "repeated_samples",
             f"{quality.repeated} of {quality.rows} rows repeat the one before while it moves",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -106,7 +106,7 @@ def _position(case: Case, recording: Recording) -> Array | None:
 
 def _velocity(case: Case, recording: Recording, states: States) -> Array:
     """[FMU's unit] As it was recorded; that of the twin where it was not."""
-    for name in _velocities(case):
+    for name in _velocities(case.twin):
         if name in recording.signals:
             variable = case.twin.file.outputs[name].variable
             to_si = case.twin.binding.variables[variable].variable.to_si
@@ -116,10 +116,10 @@ def _velocity(case: Case, recording: Recording, states: States) -> Array:
     return states.velocity
 
 
-def _velocities(case: Case) -> list[str]:
+def _velocities(twin: FmuTwin) -> list[str]:
     """Outputs that are the state `velocity`."""
-    wanted = case.twin.file.states.get("velocity")
-    return [name for name, e in case.twin.file.outputs.items() if e.variable == wanted]
+    wanted = twin.file.states.get("velocity")
+    return [name for name, e in twin.file.outputs.items() if e.variable == wanted]
 
 
 def _named(case: Case, recording: Recording) -> list[str]:
@@ -171,8 +171,7 @@ def _quality(
     limit = _known_limit(case.twin, name, is_command=is_command) if is_output else None
     # An input may hold its value as long as it was asked to.
     if is_output and not is_latched(refresh):
-        rounded = _near_rounding(case, recording, name, recording.time[known])
-        repeated = repeated_rows(values, quantum, rounded).size
+        repeated = missed_samples(case.twin, case.rig.positions, recording, name).size
         # An end stop holds a position at rest, a limit anything else while the axis accelerates.
         speed = np.interp(recording.time[known], states.time, states.velocity)
         is_position = name in case.rig.positions
@@ -199,21 +198,33 @@ def _quality(
     )
 
 
-def _near_rounding(case: Case, recording: Recording, name: str, times: Array) -> NDArray[np.bool_]:
-    """Rows near which a reading repeats by its rounding, from which a signal may be computed."""
-    found = np.zeros(times.size, dtype=bool)
-    for reading in _readings(case, name):
+def missed_samples(
+    twin: FmuTwin, positions: Collection[str], recording: Recording, name: str
+) -> NDArray[np.int64]:
+    """Rows in which an output, of these positions or another, repeats the row before as it moves.
+
+    A column that is sampled more slowly than it is logged has none.
+    """
+    known = np.flatnonzero(np.isfinite(recording.signal(name)))
+    values = recording.signal(name)[known]
+    quantum = resolution(values)
+    if is_latched(refresh_rows(values, quantum)):
+        return known[:0]
+    times = recording.time[known]
+    rounded = np.zeros(times.size, dtype=bool)
+    # Near a reading that repeats by its rounding, so may what is computed from it.
+    for reading in _readings(twin, positions, name):
         if reading in recording.signals:
-            known = np.flatnonzero(np.isfinite(recording.signal(reading)))
-            values = recording.signal(reading)[known]
-            rows, quantum = recording.time[known], resolution(values)
-            found |= near_rounding(times, rows, values, quantum, _asked(case, recording, rows))
-    return found
+            own = np.flatnonzero(np.isfinite(recording.signal(reading)))
+            read, rows = recording.signal(reading)[own], recording.time[own]
+            asked = _asked(twin, recording, rows)
+            rounded |= near_rounding(times, rows, read, resolution(read), asked)
+    return known[repeated_rows(values, quantum, rounded)]
 
 
-def _asked(case: Case, recording: Recording, times: Array) -> Array | None:
+def _asked(twin: FmuTwin, recording: Recording, times: Array) -> Array | None:
     """Recorded reference at these times [s]; None where none was recorded."""
-    name = reference_of(case.twin)
+    name = reference_of(twin)
     if name is None or name not in recording.signals:
         return None
     known = np.isfinite(recording.signal(name))
@@ -221,13 +232,12 @@ def _asked(case: Case, recording: Recording, times: Array) -> Array | None:
     return np.asarray(asked, dtype=np.float64)
 
 
-def _readings(case: Case, name: str) -> list[str]:
+def _readings(twin: FmuTwin, positions: Collection[str], name: str) -> list[str]:
     """A command is computed from the position or the velocity, a velocity from the position."""
-    positions = [n for n in case.twin.file.outputs if n in case.rig.positions]
     if name in positions:
         return []
-    velocities = _velocities(case)
-    return positions if name in velocities else [*positions, *velocities]
+    velocities = _velocities(twin)
+    return [*positions] if name in velocities else [*positions, *velocities]
 
 
 def _unit(case: Case, name: str) -> str:

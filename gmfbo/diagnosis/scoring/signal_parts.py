@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from gmfbo.diagnosis.runs.scored_record import Record
 from gmfbo.diagnosis.scoring.nuisances import Alignment, alignment_of
 from gmfbo.sources.binding.binding import Binding
 
@@ -32,18 +31,17 @@ class Rig:
     position_to_si: float
 
 
-def describe_rig(binding: Binding, records: Sequence[Record]) -> Rig:
+def describe_rig(binding: Binding, present: Collection[str]) -> Rig:
     """Find the position signals, and the priors of all signals' nuisances.
 
     Parameters
     ----------
     binding : Binding
         The twin.
-    records : sequence of Record
-        Recordings; a signal in none of them is not taken for a position.
+    present : collection of str
+        Recorded signals; another one is not taken for a position.
     """
     outputs, states = binding.file.outputs, binding.file.states
-    present = {s.name for record in records for s in record.signals}
     unit = {
         name: binding.variables[entry.variable].variable.si_unit for name, entry in outputs.items()
     }
@@ -85,7 +83,7 @@ def speed_scales(binding: Binding, rig: Rig) -> dict[str, float]:
     return {n: binding.variables[wanted].variable.to_si for n, e in outputs if e.variable == wanted}
 
 
-def _position_signal(binding: Binding, present: set[str]) -> str | None:
+def _position_signal(binding: Binding, present: Collection[str]) -> str | None:
     """Output that is the state `position`, by its variable, its name or its unit."""
     outputs, state = binding.file.outputs, binding.file.states.get("position")
     candidates = [name for name in outputs if name in present]

@@ -39,7 +39,7 @@ def test_a_lagging_sensor_shows_where_the_axis_was() -> None:
     """To the second order of a lag: the position, less its time the velocity, and so on."""
     with opened(planted(1e-9)) as case:
         simulations = case.simulations
-        position = describe_rig(case.twin.binding, simulations.records).position
+        position = describe_rig(case.twin.binding, case.twin.file.outputs).position
         run = simulations.run_one(Point(physics={"sensor_lag.time": LAG}), 0)
         reading = simulations.reading
     assert position is not None

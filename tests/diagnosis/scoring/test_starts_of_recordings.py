@@ -56,7 +56,7 @@ def test_control_an_axis_that_moves_at_the_start_does_not(speed: float) -> None:
 def excess(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     """Largest share by which a second recording raises the covariance of the first."""
     records = [recorded(one), recorded(other, "b.csv")]
-    rig = describe_rig(SERVO.twin().binding, records)
+    rig = describe_rig(SERVO.twin().binding, [signal.name for signal in records[0].signals])
     windows = windows_of(records, LOOP_TIME)
     own: list[list[float]] = [[9e-10], [9e-10]]
     both = covariances(windows, records, rig, own, [[], []])

@@ -1,0 +1,89 @@
+"""Samples that a logger missed are blank to a diagnosis, as `gmfbo check` finds them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from gmfbo.diagnosis.case.case import chi2_per_dof
+from gmfbo.diagnosis.case.open_case import open_case
+from gmfbo.diagnosis.checking.consistent_recordings import consistent, without_missed
+from gmfbo.diagnosis.fitting.fit import fit
+from gmfbo.diagnosis.fitting.hypothesis import Candidate, Hypothesis
+from gmfbo.recordings.recording import Recording
+from tests.diagnosis.short_recordings import SERVO, multisine
+
+FRICTION = {"coulomb_friction.level": 0.2}
+ROWS = np.sort(np.random.default_rng(1).choice(np.arange(100, 1300), 25, replace=False))
+
+
+def repeating(recording: Recording, *names: str) -> Recording:
+    """What a logger writes that misses these rows."""
+    rows = np.arange(len(recording))
+    rows[ROWS] = -1
+    before = np.maximum.accumulate(rows)
+    return recording.with_signals({name: recording.signal(name)[before] for name in names})
+
+
+def blank(recording: Recording, name: str) -> NDArray[np.int64]:
+    return np.flatnonzero(np.isnan(recording.signal(name)))
+
+
+@pytest.mark.parametrize("name", ["position", "torque_command"])
+def test_what_a_logger_repeats_is_blank_and_told(name: str) -> None:
+    (sound,) = SERVO.recordings(FRICTION, (multisine,))
+    with SERVO.twin() as twin:
+        (whole,), (note,) = without_missed(twin, [repeating(sound, name)])
+    np.testing.assert_array_equal(blank(whole, name), ROWS)
+    told = f"25 of 1400 rows of {name} in rec0.csv repeat the one before while it moves"
+    assert note == f"{told}: they were taken for blank"
+
+
+def test_control_a_recording_without_repeats_stays_as_it_is() -> None:
+    (sound,) = SERVO.recordings(FRICTION, (multisine,))
+    counts = np.round(sound.signal("position") / 1e-3) * 1e-3
+    coarse = sound.with_signals({"position": counts})
+    latched = sound.with_signals(
+        {"torque_command": np.repeat(sound.signal("torque_command")[::4], 4)}
+    )
+    with SERVO.twin() as twin:
+        for recording in (sound, coarse, latched):
+            (whole,), notes = without_missed(twin, [recording])
+            assert whole is recording
+            assert notes == []
+
+
+def test_several_recordings_are_told_together() -> None:
+    spoiled = [repeating(one, "position") for one in SERVO.recordings(FRICTION, seconds=1.4)]
+    with SERVO.twin() as twin:
+        _, notes = without_missed(twin, spoiled)
+    assert [note.partition(" rows")[2][:35] for note in notes] == [
+        " of position in 2 recordings repeat"
+    ]
+
+
+def test_a_reference_may_repeat_as_long_as_it_was_asked_to() -> None:
+    (sound,) = SERVO.recordings(FRICTION, (multisine,))
+    with SERVO.twin() as twin:
+        (whole,), notes = without_missed(twin, [repeating(sound, "reference")])
+    assert notes == []
+    assert not blank(whole, "reference").size
+
+
+def test_missed_samples_are_no_noise_of_the_position() -> None:
+    """Left in, each is off by a row's motion: noise ten times as large, and chi2 five times."""
+    (sound,) = SERVO.recordings(FRICTION, (multisine,))
+    noise, chi2 = [], []
+    for recording in (sound, repeating(sound, "position")):
+        with SERVO.twin() as twin:
+            given = consistent(twin, [recording], seed=0, jobs=1)
+            case = open_case(twin, given.recordings, seed=0, jobs=1)
+        start = Hypothesis(case.setting, (Candidate("coulomb_friction", {"level": 0.2}),))
+        found = fit(case.misfit, start, case.base.parameters)
+        case.simulations.close()
+        assert found is not None
+        noise.append(case.noise["position"].total)
+        chi2.append(chi2_per_dof(found, case.misfit))
+    assert noise[1] == pytest.approx(noise[0], rel=0.1)
+    assert chi2[1] == pytest.approx(chi2[0], rel=0.1)
