@@ -190,7 +190,7 @@ for law, (on_seen, on_unseen) in table.items():
 # changes with the engine: 0.45 to 0.54 times the load so far. Whether Coulomb friction alone could
 # do it hangs by less: the same engine tells the one law, or a set of both, by how a sum is rounded.
 #
-# It is far from all: of what is more than noise, the law explains next to nothing. An encoder of
+# It is far from all: of what is more than noise, the law explains little. An encoder of
 # 4096 steps has little noise, and the twin is still a twentieth of the stroke off. The authors add
 # that load and drive rub differently, a law the library does not have. The supply is taken as a
 # constant 7.4 V though it sags by 0.3 V, and the motor warmed from 27 to 39 degC from the first
@@ -205,7 +205,7 @@ assert not {"coulomb_friction", "stribeck_friction"} & set(named)
 friction = named["load_dependent_friction"]
 assert friction.probability > 0.5, "of its set it is the likeliest"
 assert diagnosis.remainder is not None
-assert diagnosis.remainder.share > 0.9
+assert diagnosis.remainder.share > 0.75
 assert abs(friction.parameters["coefficient"].value - 0.5) < 0.1
 assert friction.parameters["level"].high < 16e-3, "[N m]"
 

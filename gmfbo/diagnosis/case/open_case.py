@@ -129,6 +129,10 @@ def open_unseen(
     return opening.unseen(case)
 
 
+def _compared(simulations: Simulations) -> set[str]:
+    return {signal.name for record in simulations.records for signal in record.signals}
+
+
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
@@ -248,8 +252,7 @@ class _Opening:
         nominal = simulations.run([Point()])[0]
         require_run(nominal, f"{self.twin.name}: the twin as it is cannot follow the recordings")
         nominal = begun_at_first_rows(simulations, self.twin, nominal)
-        present = {s.name for record in simulations.records for s in record.signals}
-        rig = describe_rig(self.twin.binding, present)
+        rig = describe_rig(self.twin.binding, _compared(simulations))
         simulations.reading = recorded_reading(self.twin, simulations, rig, substeps)
         if rig.position is not None:
             simulations.encoder = Reading(rig.position, rig.position_to_si)
