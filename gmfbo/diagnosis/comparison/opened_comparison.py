@@ -131,7 +131,7 @@ def comparison_of(
     kernels_at, sizes = kernels_of(case, problem), _sizes(case)
     first = _first(case, problem)
     kernels = kernels_at(first)
-    problem = replace(problem, is_counted=kernels.is_counted)
+    problem = replace(problem, is_counted=kernels.rounding > 0.0)
     ports = {*first.runs[0].response.ports, *kernels.kernels}
     if is_open and rig.position is not None:
         problem = _followed(case, problem, kernels)
@@ -182,11 +182,10 @@ def kernels_of(case: Case, problem: Problem) -> Callable[[Fitted], PortKernels]:
         hypothesis = Hypothesis(fitted.hypothesis.setting, linear)
         point = problem.point(hypothesis, hypothesis.start(fitted.parameters))
         command = command_of(case)
+        rounded = 0.0 if problem.encoder is None else problem.encoder.count
         found = port_kernels(
-            case.simulations, point, sizes, rig.position, rig.position_to_si, command
+            case.simulations, point, sizes, rig.position, rig.position_to_si, command, rounded
         )
-        if problem.encoder is not None:
-            found = replace(found, rounding=problem.encoder.rounding, is_counted=False)
         if is_open or "sensor" in found.kernels or rig.position is None or command is None:
             return found
         reading = rig.position, command, rig.position_to_si

@@ -64,8 +64,6 @@ class PortKernels:
     rounding : float
         [FMU's unit] Standard deviation of what an encoder in the twin rounds away: 0 where its
         position comes in no counts.
-    is_counted : bool
-        Whether simulations round as well.
     """
 
     kernels: Mapping[str, Mapping[str, Array]]
@@ -75,7 +73,6 @@ class PortKernels:
     controller: Array | None = None
     pushed: Pushed | None = None
     rounding: float = 0.0
-    is_counted: bool = False
     _known: dict[tuple[object, ...], Spectrum] = field(default_factory=dict)
 
     def of(self, record: int) -> PortKernels:
@@ -90,8 +87,7 @@ class PortKernels:
         level : float
             [FMU's unit] Standard deviation of all noise of the reading.
         """
-        known = self.rounding if self.is_counted else 0.0
-        return float(np.sqrt(max(level**2 - known**2, 0.0)))
+        return float(np.sqrt(max(level**2 - self.rounding**2, 0.0)))
 
     def sensed(self, noise: Array) -> dict[str, Array]:
         """[FMU's unit] What plays noise of the sensor, by port, shape (rows,).
@@ -147,6 +143,7 @@ def port_kernels(
     position: str | None,
     to_si: float,
     command: str | None,
+    rounded: float = 0.0,
 ) -> PortKernels:
     """Push each port for one row in the middle of the longest recording of each set of gains.
 
@@ -164,6 +161,8 @@ def port_kernels(
         [SI unit / FMU's unit] Of the position.
     command : str or None
         Output that is the controller's command: what is added to it is in the log as well.
+    rounded : float
+        [SI unit] Count of the encoder, where the twin is simulated without its counts.
     """
     sizes_of = [record.plan.grid.size for record in simulations.records]
     first, *others = sorted(
@@ -172,7 +171,7 @@ def port_kernels(
 
     def measured(group: Sequence[int]) -> PortKernels:
         longest = max(group, key=lambda k: sizes_of[k])
-        return _in_recording(simulations, longest, point, sizes, position, to_si, command)
+        return _in_recording(simulations, longest, point, sizes, position, to_si, command, rounded)
 
     found = {k: kernels for group in others for kernels in [measured(group)] for k in group}
     return replace(measured(first), others=found)
@@ -186,6 +185,7 @@ def _in_recording(
     position: str | None,
     to_si: float,
     command: str | None,
+    rounded: float,
 ) -> PortKernels:
     grid = simulations.records[k].plan.grid
     step = float(grid[1] - grid[0])
@@ -196,7 +196,8 @@ def _in_recording(
     ports = [p for p in sizes if p in base.response.ports or (p == "sensor" and is_open)]
 
     counted = None if position is None else base.response.held.get(position)
-    quantum = 0.0 if counted is None else resolution(counted)
+    quantum = 0.0 if counted is None or rounded > 0.0 else resolution(counted)
+    count = max(quantum, rounded)  # another encoder of the twin may count all the same
 
     def changes(port: str, size: float) -> dict[str, Array]:
         push = np.zeros(grid.size)
@@ -214,7 +215,7 @@ def _in_recording(
     def one(port: str) -> dict[str, Array]:
         size, most = _PUSH * sizes[port], _MOST_PUSH * sizes[port]
         found = changes(port, size)
-        while quantum > 0.0 and np.ptp(found[str(position)]) < _COUNTS * quantum and size < most:
+        while count > 0.0 and np.ptp(found[str(position)]) < _COUNTS * count and size < most:
             size = min(10.0 * size, most)
             found = changes(port, size)
         found = {name: change / size for name, change in found.items()}
@@ -235,9 +236,7 @@ def _in_recording(
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
     rounding = quantum / (np.sqrt(12.0) * to_si)
-    return PortKernels(
-        kernels, step, simulated, pushed=pushed, rounding=rounding, is_counted=rounding > 0.0
-    )
+    return PortKernels(kernels, step, simulated, pushed=pushed, rounding=rounding)
 
 
 def _changed(simulations: Simulations, after: Response, before: Response) -> dict[str, Array]:

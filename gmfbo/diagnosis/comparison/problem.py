@@ -31,13 +31,13 @@ class EncoderCounts:
         FMU parameter that sets them.
     value : float
         [FMU's unit] Of it, with which there are none to speak of.
-    rounding : float
-        [FMU's unit] Standard deviation of what the counts round away.
+    count : float
+        [SI unit] Quantum of the position.
     """
 
     parameter: str
     value: float
-    rounding: float
+    count: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ def test_the_parameter_that_sets_the_counts_is_found_and_simulations_have_none()
         found = encoder_counts(case)
         assert found is not None
         assert (found.parameter, found.value) == ("enc.resolution", 4096e3)
-        assert found.rounding == pytest.approx(COUNT / np.sqrt(12.0), rel=1e-6)
+        assert found.count == pytest.approx(COUNT, rel=1e-6)
         problem = problem_on(case, case.budget.windows, found)
         hypothesis = Hypothesis(case.setting)
         run = case.simulations.run([problem.point(hypothesis, case.base.x)])[0][0]
@@ -37,10 +37,14 @@ def test_the_parameter_that_sets_the_counts_is_found_and_simulations_have_none()
         assert resolution(counted) == pytest.approx(COUNT, rel=1e-6)
         assert resolution(position) < 0.01 * COUNT
         stated = comparison_of(case, [])
-        kernels = stated.search.opened(stated.first).kernels
-    # What is not simulated is played, and no level of the reading is below it.
-    assert kernels.rounding == found.rounding
-    assert kernels.beyond_rounding(3e-3) == 3e-3
+        ledger = stated.search.opened(stated.first)
+    # A push of the reading is answered clearly, though the motor's encoder still counts.
+    sensed = ledger.kernels.kernels["sensor"]
+    assert np.abs(sensed["position"] - np.eye(1, sensed["position"].size)[0]).max() < 0.1
+    # What the recorded position rounds is noise of one count, which the controller reads in part.
+    levels = ledger.levels
+    read = np.hypot(levels.ports["sensor"], levels.own["position"])
+    assert read == pytest.approx(COUNT / np.sqrt(12.0), rel=0.2)
     assert "parameter:enc.resolution" not in {one.name for one in stated.search.elements}
 
 

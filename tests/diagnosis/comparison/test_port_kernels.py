@@ -68,8 +68,6 @@ def test_rounding_of_the_twins_encoder_is_that_of_a_count_of_the_joint() -> None
 
 
 def test_noise_is_played_beyond_what_the_twin_rounds() -> None:
-    kernels = PortKernels({}, STEP, rounding=3e-5, is_counted=True)
+    kernels = PortKernels({}, STEP, rounding=3e-5)
     assert kernels.beyond_rounding(5e-5) == pytest.approx(4e-5)
     assert kernels.beyond_rounding(2e-5) == 0.0
-    without = PortKernels({}, STEP, rounding=3e-5)
-    assert without.beyond_rounding(5e-5) == pytest.approx(5e-5)

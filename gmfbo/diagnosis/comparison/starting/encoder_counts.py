@@ -24,7 +24,7 @@ def encoder_counts(case: Case) -> EncoderCounts | None:
     """How to simulate the twin without the counts of its encoder; None where that is not known.
 
     Two runs of one axis round otherwise, and the controller answers: what an encoder rounds away is
-    noise, and a simulation that has it holds noise of its own, which any small change shuffles. The
+    noise. A simulation with counts holds noise of its own, which any small change shuffles. The
     parameter that sets the counts is the one to which they are proportional, or inversely.
 
     Parameters
@@ -51,9 +51,7 @@ def encoder_counts(case: Case) -> EncoderCounts | None:
             continue
         # It is the axis that it was, but for the counts.
         if float(np.sqrt(np.mean((fine - nominal) ** 2))) < quantum:
-            return EncoderCounts(
-                one.name, value, quantum / (np.sqrt(12.0) * case.rig.position_to_si)
-            )
+            return EncoderCounts(one.name, value, quantum)
     return None
 
 
