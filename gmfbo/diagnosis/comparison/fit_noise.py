@@ -89,7 +89,8 @@ class FitNoise:
         """Levels below which none is looked for, with the rounding of an encoder in the twin.
 
         Where it goes to the next count depends on less than anybody knows of an axis: a run of
-        the same axis rounds otherwise, and the controller answers.
+        the same axis rounds otherwise, and the controller answers. Of slow motion it rounds rows
+        alike, and high frequencies, by which levels are read, show little of that.
         """
         ports = {p: max(level, kernels.rounding) for p, level in self.least.ports.items()}
         return replace(self.least, ports=ports)

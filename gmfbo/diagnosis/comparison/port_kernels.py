@@ -64,6 +64,8 @@ class PortKernels:
     rounding : float
         [FMU's unit] Standard deviation of what an encoder in the twin rounds away: 0 where its
         position comes in no counts.
+    is_counted : bool
+        Whether simulations round as well.
     """
 
     kernels: Mapping[str, Mapping[str, Array]]
@@ -73,6 +75,7 @@ class PortKernels:
     controller: Array | None = None
     pushed: Pushed | None = None
     rounding: float = 0.0
+    is_counted: bool = True
     _known: dict[tuple[object, ...], Spectrum] = field(default_factory=dict)
 
     def of(self, record: int) -> PortKernels:
@@ -87,7 +90,8 @@ class PortKernels:
         level : float
             [FMU's unit] Standard deviation of all noise of the reading.
         """
-        return float(np.sqrt(max(level**2 - self.rounding**2, 0.0)))
+        known = self.rounding if self.is_counted else 0.0
+        return float(np.sqrt(max(level**2 - known**2, 0.0)))
 
     def sensed(self, noise: Array) -> dict[str, Array]:
         """[FMU's unit] What plays noise of the sensor, by port, shape (rows,).
@@ -196,8 +200,10 @@ def _in_recording(
     ports = [p for p in sizes if p in base.response.ports or (p == "sensor" and is_open)]
 
     counted = None if position is None else base.response.held.get(position)
-    quantum = 0.0 if counted is None or rounded > 0.0 else resolution(counted)
-    count = max(quantum, rounded)  # another encoder of the twin may count all the same
+    if rounded > 0.0:
+        quantum = rounded  # another encoder of the twin may count all the same
+    else:
+        quantum = 0.0 if counted is None else resolution(counted)
 
     def changes(port: str, size: float) -> dict[str, Array]:
         push = np.zeros(grid.size)
@@ -215,7 +221,7 @@ def _in_recording(
     def one(port: str) -> dict[str, Array]:
         size, most = _PUSH * sizes[port], _MOST_PUSH * sizes[port]
         found = changes(port, size)
-        while count > 0.0 and np.ptp(found[str(position)]) < _COUNTS * count and size < most:
+        while quantum > 0.0 and np.ptp(found[str(position)]) < _COUNTS * quantum and size < most:
             size = min(10.0 * size, most)
             found = changes(port, size)
         found = {name: change / size for name, change in found.items()}
@@ -236,7 +242,9 @@ def _in_recording(
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
     rounding = quantum / (np.sqrt(12.0) * to_si)
-    return PortKernels(kernels, step, simulated, pushed=pushed, rounding=rounding)
+    return PortKernels(
+        kernels, step, simulated, pushed=pushed, rounding=rounding, is_counted=rounded == 0.0
+    )
 
 
 def _changed(simulations: Simulations, after: Response, before: Response) -> dict[str, Array]:

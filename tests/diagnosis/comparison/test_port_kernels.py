@@ -71,3 +71,5 @@ def test_noise_is_played_beyond_what_the_twin_rounds() -> None:
     kernels = PortKernels({}, STEP, rounding=3e-5)
     assert kernels.beyond_rounding(5e-5) == pytest.approx(4e-5)
     assert kernels.beyond_rounding(2e-5) == 0.0
+    without = PortKernels({}, STEP, rounding=3e-5, is_counted=False)
+    assert without.beyond_rounding(5e-5) == pytest.approx(5e-5)
