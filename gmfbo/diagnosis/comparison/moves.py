@@ -217,12 +217,12 @@ def responses(problem: Problem, base: Fitted, elements: Sequence[Element]) -> li
             x = hypothesis.start(one.start(about.parameters))
             points.append(problem.point(hypothesis, x, about.own_values))
     runs = iter(problem.simulations.run(points))
-    found = []
+    before, found = problem.as_stored(before, base.nuisances), []
     for element, sizes, more, steps, count in plans:
         own = [next(runs) for _ in range(count)]
         if not all(run.finite for one in own for run in one):
             continue
-        seen = [problem.values(one) for one in own]
+        seen = [problem.as_stored(problem.values(one), base.nuisances) for one in own]
         columns = [
             np.stack([v[0] - b, *(w - v[0] for w in v[1:])])
             for *v, b in zip(*seen, before, strict=True)

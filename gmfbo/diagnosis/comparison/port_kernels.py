@@ -200,10 +200,8 @@ def _in_recording(
     ports = [p for p in sizes if p in base.response.ports or (p == "sensor" and is_open)]
 
     counted = None if position is None else base.response.held.get(position)
-    if rounded > 0.0:
-        quantum = rounded  # another encoder of the twin may count all the same
-    else:
-        quantum = 0.0 if counted is None else resolution(counted)
+    shown = 0.0 if counted is None else resolution(counted)
+    quantum = rounded or shown  # without those counts another encoder of the twin may still count
 
     def changes(port: str, size: float) -> dict[str, Array]:
         push = np.zeros(grid.size)

@@ -156,13 +156,18 @@ class Problem:
 
     def residual(self, values: Sequence[Array], nuisances: Array) -> list[Array]:
         """[SI] Recorded less simulated, as the logger stores it, by segment."""
-        left = []
-        for segment, y, own in zip(self.segments, self.recorded, values, strict=True):
+        stored = self.as_stored(values, nuisances)
+        return [y - own for y, own in zip(self.recorded, stored, strict=True)]
+
+    def as_stored(self, values: Sequence[Array], nuisances: Array) -> list[Array]:
+        """[SI] Simulated signals as the logger stores them, by segment."""
+        stored = []
+        for segment, own in zip(self.segments, values, strict=True):
             change = self.logging.seen(segment, own, nuisances) - own
             if self.followed is not None:
                 change = self._left(segment, change[None])[0]
-            left.append(y - own - change)
-        return left
+            stored.append(own + change)
+        return stored
 
     def nuisance_columns(self, values: Sequence[Array], nuisances: Array) -> list[Array]:
         """Change of the signals per standard deviation of each nuisance, shape (q, m, n)."""

@@ -71,7 +71,7 @@ def test_friction_that_the_twin_lacks_is_named_and_the_table_begins_where_the_ax
     assert effect.name == "coulomb_friction"
     assert effect.parameters["level"].low <= LEVEL <= effect.parameters["level"].high
     position = found.fit.signals["position"]
-    assert position.augmented < 1.2 * position.noise_floor < 0.01 * position.parameters_only
+    assert position.augmented < 1.5 * position.noise_floor < 0.01 * position.parameters_only
     (note,) = [n for n in found.notes if n.startswith("[initial] initial_velocity was fitted")]
     assert "20 rad/s (rec0.csv), -30 rad/s (rec1.csv), 12 rad/s (rec2.csv)" in note
     # A current of nothing had been told to answer noise by 100 %.

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
+from gmfbo.diagnosis.comparison.modes.trial_points import TrialPoints
 from gmfbo.diagnosis.comparison.numbers import SETTLED
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.priors import Prior
@@ -45,6 +46,27 @@ def test_what_stays_far_behind_the_best_fit_is_not_searched_on() -> None:
     assert level.x == pytest.approx(base.x, rel=1e-3)
     gained = cost(level, ledger.whitening) - cost(more, ledger.whitening)
     assert 0.0 <= gained < SETTLED  # as promised
+
+
+def test_columns_are_of_what_the_logger_stores() -> None:
+    """Of a column that is two rows late, so is what a parameter changes in it."""
+    with opened(planted(SIGMA)) as case:
+        search = (stated := comparison_of(case, [])).search
+        base, problem = search.opened(stated.first).rows[frozenset()], search.problem
+        late = np.array([20.0 if n[0] == "shift" else 0.0 for n in problem.nuisances])
+        points = TrialPoints(problem, base.hypothesis)
+        at = points.at(base.u, late, base.own)
+        assert at is not None
+        columns = points.columns(at)
+        for i in range(base.u.size):
+            step = 1e-3 * (np.arange(base.u.size) == i)
+            beyond, short = (points.at(base.u + s * step, late, base.own) for s in (1.0, -1.0))
+            assert beyond is not None
+            assert short is not None
+            for after, before, made in zip(beyond.residual, short.residual, columns, strict=True):
+                slope = (before - after) / 2e-3
+                left = np.linalg.norm(slope - made[i], axis=-1)
+                assert np.all(left <= 0.02 * np.linalg.norm(slope, axis=-1))
 
 
 class Parabola(ModeSearch):

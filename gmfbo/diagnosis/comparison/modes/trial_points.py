@@ -123,10 +123,10 @@ class TrialPoints:
         problem, aside = self._problem, self.aside(at)
         widths = aside - at.u
         moves, hears = [], [False] * widths.size
-        still, noisy = at.values, at.values
+        still = noisy = problem.as_stored(at.values, at.nuisances)
         if self._heard is not None:
             about = problem.simulations.run([self._point(at.u, at.own), self._noisy(at.u, at.own)])
-            still, noisy = (problem.values(runs) for runs in about)
+            still, noisy = (problem.as_stored(problem.values(r), at.nuisances) for r in about)
             if all(run.finite for run in about[1]):
                 hears = self.hypothesis.bent
         for i, hears_it in enumerate(hears):
@@ -137,7 +137,9 @@ class TrialPoints:
         for runs, width, hears_it in zip(played, widths, hears, strict=True):
             values = problem.values(runs)
             if all(run.finite for run in runs) and not problem.has_run_away(values):
-                change = zip(values, noisy if hears_it else still, strict=True)
+                # What is stored late is late in each column too.
+                stored = problem.as_stored(values, at.nuisances)
+                change = zip(stored, noisy if hears_it else still, strict=True)
                 found.append([(after - before) / width for after, before in change])
             else:
                 found.append([np.zeros_like(v) for v in at.values])
