@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gmfbo.diagnosis.checking.column_quality import misses_samples
 from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
@@ -63,31 +62,41 @@ def consistent(
 def without_missed(
     twin: FmuTwin, recordings: Sequence[Recording]
 ) -> tuple[tuple[Recording, ...], list[str]]:
-    """Recordings whose missed samples are blank, and a remark on each signal that had some."""
-    found, counts = [], dict[str, list[tuple[str, int, int]]]()
+    """Recordings whose missed samples are blank, and a remark on how many there are.
+
+    A logger that misses a sample writes the row before again, all of it. One column alone may
+    repeat as well at a limit, by the digits it is written with, or in a controller that is slower
+    than the rows.
+    """
+    found, counts = [], list[tuple[str, int, int]]()
     for recording in recordings:
         outputs = [n for n in twin.file.outputs if n in recording.signals.keys() - twin.file.inputs]
+        columns = {n: recording.signal(n) for n in outputs}
+        if len(columns) < 2 or min(np.isfinite(c).sum() for c in columns.values()) < LEAST_ROWS:
+            found.append(recording)
+            continue
+        again = np.all([np.diff(c, prepend=np.nan) == 0.0 for c in columns.values()], axis=0)
         positions = describe_rig(twin.binding, outputs).positions
-        blanked: dict[str, NDArray[np.float64]] = {}
-        for name in outputs:
-            rows = int(np.isfinite(recording.signal(name)).sum())
-            if rows < LEAST_ROWS:
-                continue
-            missed = missed_samples(twin, positions, recording, name)
-            if misses_samples(missed.size, rows):
-                blanked[name] = recording.signal(name).copy()
-                blanked[name][missed] = np.nan
-                counts.setdefault(name, []).append((recording.name, missed.size, rows))
-        found.append(recording.with_signals(blanked) if blanked else recording)
-    return tuple(found), [_blanked(name, own) for name, own in counts.items()]
+        missed = np.unique(
+            np.concatenate([missed_samples(twin, positions, recording, n) for n in outputs])
+        )
+        missed = missed[again[missed]]
+        if not misses_samples(missed.size, again.size):
+            found.append(recording)
+            continue
+        counts.append((recording.name, missed.size, again.size))
+        is_missed = np.isin(np.arange(again.size), missed)
+        blanked = {n: np.where(is_missed, np.nan, column) for n, column in columns.items()}
+        found.append(recording.with_signals(blanked))
+    return tuple(found), [_blanked(counts)] if counts else []
 
 
-def _blanked(signal: str, counts: Sequence[tuple[str, int, int]]) -> str:
+def _blanked(counts: Sequence[tuple[str, int, int]]) -> str:
     where = counts[0][0] if len(counts) == 1 else f"{len(counts)} recordings"
     missed, rows = (sum(column) for column in list(zip(*counts, strict=True))[1:])
     return (
-        f"{missed} of {rows} rows of {signal} in {where} repeat the one before while it moves: "
-        "they were taken for blank"
+        f"{missed} of {rows} rows in {where} repeat the one before while the axis moves: they were "
+        "taken for blank"
     )
 
 

@@ -262,7 +262,9 @@ def _stated_on(
     return Part(problem, whitening, there)
 
 
-def quiet(case: Case, row: Fitted, told_by: Collection[int] = ()) -> Fitted:
+def quiet(
+    case: Case, row: Fitted, told_by: Collection[int] = (), problem: Problem | None = None
+) -> Fitted:
     """A fit without the noise that its recordings hold, as it foretells what is not known.
 
     Parameters
@@ -273,8 +275,12 @@ def quiet(case: Case, row: Fitted, told_by: Collection[int] = ()) -> Fitted:
         At its values.
     told_by : collection of int
         Windows that tell where their recordings start, where starts are fitted.
+    problem : Problem, optional
+        Whose score it gets: without the counts of an encoder that its levels hold as noise.
     """
     point = at_own_starts(case, row.hypothesis.point(row.x), told_by)
+    if problem is not None:
+        point = problem.without_counts(point)
     runs = case.simulations.run([point])[0]
     return replace(row, runs=runs, own=np.zeros((0, 0)), heard=None)
 

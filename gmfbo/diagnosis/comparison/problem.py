@@ -115,6 +115,13 @@ class Problem:
         ]
         return replace(point, own=[self._held(hypothesis.point(x_own)) for x_own in each])
 
+    def without_counts(self, point: Point) -> Point:
+        """The same without the counts of the encoder, where they are known."""
+        if self.encoder is None:
+            return point
+        fine = {**point.parameters, self.encoder.parameter: self.encoder.value}
+        return replace(point, parameters=fine)
+
     def _held(self, point: Point) -> Point:
         """The same without the counts of an encoder, or with the loop that holds an open-loop twin.
 
@@ -122,8 +129,7 @@ class Problem:
         best, and fit best.
         """
         if self.encoder is not None:
-            fine = {**point.parameters, self.encoder.parameter: self.encoder.value}
-            return replace(point, parameters=fine)
+            return self.without_counts(point)
         tracking = self.simulations.tracking
         if tracking is None or self.held_inertia is None:
             return point

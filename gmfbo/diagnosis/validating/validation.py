@@ -30,7 +30,7 @@ from gmfbo.diagnosis.naming.decided_by_score import measured
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.result.curve import Curve
 from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit
-from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.validating.explained_share import Squares
 from gmfbo.diagnosis.validating.free_run import free_runs
 from gmfbo.diagnosis.validating.noise_floors import noise_floors
@@ -112,10 +112,12 @@ def validate(
     told = [quiet(case, part.fitted, chosen) for part in (before, after)]
     about = (decision.base, decision.row)
     there = foretelling(search, ledger, decision.row)
-    seen = [seen_on(case, search, there, row, scored, about, left) for row in told]
+    fine = [quiet(case, part.fitted, chosen, search.problem) for part in (before, after)]
+    seen = [seen_on(case, search, there, row, scored, about, left) for row in fine]
     without = {}
     for name, row in _rows_without(decision).items():
-        lost = quiet(case, part_of(case, search, ledger, row, chosen).fitted, chosen)
+        own = part_of(case, search, ledger, row, chosen).fitted
+        lost = quiet(case, own, chosen, search.problem)
         without[name] = seen_on(case, search, there, lost, scored, about)
     misfit = restricted(case.misfit, chosen)
     plain = measured(misfit, told[0])
@@ -149,13 +151,15 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     there_ledger = ledger_on(unseen, search, ledger, whole.fitted)
     there, left = [], decision.compared.scored.size_beside(decision.row.elements)
     for row in (decision.base, whole.fitted):
-        run = quiet(unseen, row)
+        run = quiet(unseen, row, problem=search.problem)
         there.append(seen_on(unseen, search, there_ledger, run, split.held_out, (), left))
-    plain, augmented = (measured(unseen.misfit, part.fitted) for part in there)
+    plain, augmented = (
+        measured(unseen.misfit, quiet(unseen, row)) for row in (decision.base, whole.fitted)
+    )
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
     for name, row in _rows_without(decision).items():
-        lost = quiet(unseen, row)
+        lost = quiet(unseen, row, problem=search.problem)
         without[name] = seen_on(unseen, search, there_ledger, lost, split.held_out, ())
     seen = _Seen(decision, there_ledger, there[0], there[1], without)
     found = _scored(told, whole, seen)
@@ -213,9 +217,12 @@ class _Seen:
             lost = {found.winner.name: before for found in self.decision.rounds}
         return Squares(noise, before, after, lost)
 
-    def nominal(self, runs: list[Simulated]) -> Part:
+    def nominal(self, case: Case) -> Part:
         """The twin as it came, with the logging that the refitted one has."""
         problem, fitted = self.before.problem, self.before.fitted
+        runs = case.nominal
+        if problem.encoder is not None:
+            runs = case.simulations.run([problem.without_counts(Point())])[0]
         values = problem.values(runs)
         residual = problem.residual(values, fitted.nuisances)
         there = replace(fitted, runs=runs, values=values, residual=residual, columns=[])
@@ -240,7 +247,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     shown = augmented if seen.decision.row.elements else None
     floors = noise_floors(seen.after, seen.ledger)
     signals = _table(case, told.scored, told.plain, shown, told.unnamed, floors)
-    distance, nominal = _distance(seen.before, seen.after), seen.nominal(case.nominal)
+    distance, nominal = _distance(seen.before, seen.after), seen.nominal(case)
     squares, gains = seen.squares(), gains_on(seen.before, seen.after)
     removed = squares.removed if distance > SAME else None
     preferred, apart = gains_on(nominal, seen.after), _distance(nominal, seen.after)
