@@ -13,7 +13,10 @@ from gmfbo.cli.completion import paths_ending
 def _not_withheld(twin: Path) -> Path:
     """Refuse the twin of a diagnosis that handed none back, with the reason and the twin to use."""
     told = twin.with_name("diagnosis.json")
-    if twin.name != "augmented.toml" or twin.exists() or not told.is_file():
+    try:
+        if twin.name != "augmented.toml" or twin.exists() or not told.is_file():
+            return twin
+    except OSError:  # what reads the twin says what is wrong with its path
         return twin
     from gmfbo.diagnosis import Diagnosis
     from gmfbo.errors import InputError

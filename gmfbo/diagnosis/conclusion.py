@@ -38,6 +38,7 @@ from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
 from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.diagnosis.result.whereabouts import Location, Shape
+from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.screening.port_response import PortResponse
 from gmfbo.diagnosis.stage_times import Progress
 from gmfbo.diagnosis.validating.drifting_parameters import drifts_of
@@ -250,10 +251,13 @@ class Conclusion:
         """Whether the recordings tell the refitted twin from the twin as it came."""
         base, compared = self.decision.base, self.decision.compared
         problem, whitening = compared.search.problem, compared.ledger.whitening
-        refitted = self.case.simulations.run([base.hypothesis.point(base.x)])[0]
+        refitted = problem.without_counts(base.hypothesis.point(base.x))
+        played = [self.case.nominal, *self.case.simulations.run([refitted])]
+        if problem.encoder is not None:
+            played[0] = self.case.simulations.run([problem.without_counts(Point())])[0]
         nominal, fitted = (
             whitening.square(problem.residual(problem.values(runs), base.nuisances))
-            for runs in (self.case.nominal, refitted)
+            for runs in played
         )
         return nominal - fitted > TOLD_APART
 

@@ -15,6 +15,7 @@ from gmfbo.diagnosis.result.named_effect import NamedEffect
 from gmfbo.diagnosis.result.predictions import Predictions, Span
 from gmfbo.errors import InputError
 from gmfbo.plain_words import probability, words
+from gmfbo.units import parse_unit
 
 _CURVE_LEFT_OUT = (
     "the curve in the report was fitted beside other values of the named laws: it is not cancelled "
@@ -104,6 +105,13 @@ def _older_ground(diagnosis: Diagnosis, name: str, smoothing: float | None) -> G
     units = {one.unit for effect in diagnosis.effects for one in effect.parameters.values()}
     if diagnosis.shape is not None:
         units |= {diagnosis.shape.unit_x, diagnosis.shape.unit_y}
+    parsed = {unit: parse_unit(unit) for unit in units if unit not in ("", "1")}
+    other = sorted(unit for unit, one in parsed.items() if one is None or not one.is_si)
+    if other:
+        raise InputError(
+            f"{name}: expected values in SI units of a diagnosis that does not say how fast the "
+            f"axis moved, got {', '.join(other)}; diagnose again"
+        )
     turns = any("rad" in unit or "N.m" in unit for unit in units)
     length, torque = ("rad", "N.m") if turns else ("m", "N")
     fastest = smoothing / REST_SHARE

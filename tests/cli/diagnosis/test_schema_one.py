@@ -96,6 +96,18 @@ def test_without_a_smoothing_one_line_asks_for_it(
     assert not (found / "friction.c").exists()
 
 
+def test_other_units_are_refused_where_ranges_do_not_tell_the_motions(
+    found: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A level in mN m was written as one in N m, a thousand times too large."""
+    (found / "diagnosis.json").write_text(EXAMPLE.replace('"unit": "N.m"', '"unit": "mN.m"'))
+    out = found / "friction.c"
+    code, _, told = answer(capsys, "compensate", found, "--out", out, "--smoothing", "0.05")
+    assert (code, told.count("\n")) == (2, 1)
+    assert "got mN.m; diagnose again" in told
+    assert not out.exists()
+
+
 def test_where_the_recorded_ranges_were_saved_no_smoothing_is_needed(
     found: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -6,6 +6,7 @@ from contextlib import closing
 
 import pytest
 
+from gmfbo.diagnosis.comparison import opened_comparison
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.moves import ranked, responses
 from gmfbo.diagnosis.comparison.numbers import LEAST_GAIN
@@ -19,6 +20,7 @@ ABSENT = ("coulomb_friction", "actuator_rate_limit", "sensor_scale", "torque_rip
 def test_changes_measured_beside_the_fit_share_no_counts_with_its_residual(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(opened_comparison, "encoder_counts", lambda case: None)  # they stay
     case = open_small(DRIVE.twin(), DRIVE.recordings({}, (multisine, triangle)))
     with closing(case.simulations):
         stated = comparison_of(case, ABSENT)

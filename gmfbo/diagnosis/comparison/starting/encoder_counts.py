@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.problem import EncoderCounts
@@ -12,8 +11,6 @@ from gmfbo.diagnosis.runs.quantum import resolution
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.uncertain import Uncertain
-
-Array = NDArray[np.float64]
 
 _CHANGE = 1.05
 _UNLIKE = 0.1  # by which the power of the parameter in a count may differ from 1 or -1
@@ -35,22 +32,25 @@ def encoder_counts(case: Case) -> EncoderCounts | None:
     signal = case.rig.position
     if signal is None or case.simulations.tracking is not None:
         return None
-    nominal = case.nominal[0].response.held[signal]
-    quantum = resolution(nominal)
+    columns = [run.response.held[signal] for run in case.nominal]
+    most = int(np.argmax([np.unique(column).size for column in columns]))
+    quantum = resolution(columns[most])
     if quantum == 0.0:
         return None
     for one in changeable(case.twin, (), also_certain=True):
-        changed = _position(case, signal, one.name, one.nominal * _CHANGE)
-        after = 0.0 if changed is None else resolution(changed)
+        changed = case.simulations.run_one(Point({one.name: one.nominal * _CHANGE}), most)
+        after = resolution(changed.response.held[signal]) if changed.finite else 0.0
         power = 0.0 if after == 0.0 else float(np.log(after / quantum) / np.log(_CHANGE))
         if abs(abs(power) - 1.0) > _UNLIKE:
             continue
         value = _finest(case.twin, one, power)
-        fine = _position(case, signal, one.name, value)
-        if fine is None or resolution(fine) * _FEWEST > quantum:
+        runs = case.simulations.run([Point({one.name: value})])[0]
+        if not all(run.finite for run in runs):
             continue
+        fine = [run.response.held[signal] for run in runs]
         # It is the axis that it was, but for the counts.
-        if float(np.sqrt(np.mean((fine - nominal) ** 2))) < quantum:
+        moved = [float(np.sqrt(np.mean((a - b) ** 2))) for a, b in zip(fine, columns, strict=True)]
+        if resolution(fine[most]) * _FEWEST < quantum and max(moved) < quantum:
             return EncoderCounts(one.name, value, quantum)
     return None
 
@@ -62,9 +62,3 @@ def _finest(twin: FmuTwin, one: Uncertain, power: float) -> float:
     if variable.minimum is not None:
         value = max(value, variable.minimum)
     return value if variable.maximum is None else min(value, variable.maximum)
-
-
-def _position(case: Case, signal: str, name: str, value: float) -> Array | None:
-    """[SI] Position of the first recording with another value; None where that can't be run."""
-    run = case.simulations.run_one(Point({name: value}), 0)
-    return run.response.held[signal] if run.finite else None
