@@ -27,7 +27,7 @@ and a constant push would be worth a hundred times what can be told from noise. 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -152,7 +152,7 @@ class Oracle:
                     noisy = _driven(values, signals + np.outer(drive, [0.0, 1.0]))
                     noisy[:, 0] += noise[PREROLL:]
                     noisy[:, 1] = signals[:, 1]
-                    spectra.append(_spectrum(self._compared(noisy - _driven(values, signals))))
+                    spectra.append(_spectrum(self.compared(noisy - _driven(values, signals))))
                 else:
                     spectra.append(
                         _spectrum(_signals(simulate(values, one.reference, noise)) - signals)
@@ -161,14 +161,14 @@ class Oracle:
             s = _smoothed(np.einsum("rfi,rfj->fij", n, n.conj()) / REALISATIONS, self._steep(rows))
             s[:, 1, 1] += self.machine.command_noise**2 * np.sum(_window(rows) ** 2)
             start = signals[0] if self.machine.is_open_loop else 0.0
-            own = np.abs(_spectrum(self._compared(signals - start))) ** 2
+            own = np.abs(_spectrum(self.compared(signals - start))) ** 2
             for signal in range(2):
                 s[:, signal, signal] += TOLERANCE**2 * _over_an_octave(own[:, signal])
             factors.append(np.linalg.inv(np.linalg.cholesky(s)))
         return factors
 
-    def _compared(self, signals: Vector) -> Vector:
-        """Of a plant in open loop what is faster than it drifts, shape (rows, 2); else all.
+    def compared(self, signals: Vector) -> Vector:
+        """Of a plant in open loop what is faster than it drifts, shape (rows, n); else all.
 
         The zeros are the plant's own poles: a constant push stays a constant.
         """
@@ -206,8 +206,8 @@ class Oracle:
         moved = [t * v for t, v in zip(ages, slopes, strict=True)]
         columns = [
             self._white(self._unlike(self.means({"torque_lag": lag}))),
-            NUISANCES["shift"] * self._white([self._compared(v) for v in slopes]),
-            NUISANCES["skew"] * self._white([self._compared(v) for v in moved]),
+            NUISANCES["shift"] * self._white([self.compared(v) for v in slopes]),
+            NUISANCES["skew"] * self._white([self.compared(v) for v in moved]),
         ]
         if self.machine.is_open_loop:
             louder = [one * np.array([1.0, 1.0 + scale]) for one in clean]
@@ -236,11 +236,20 @@ class Oracle:
             model = self._nominal if changes is None else self.means(changes)
             return [a - b for a, b in zip(true, model, strict=True)]
         return [
-            self._compared(a - _driven({**self.values, **one.gains, **(changes or {})}, a))
+            self.compared(a - _driven({**self.values, **one.gains, **(changes or {})}, a))
             for a, one in zip(true, self.experiments, strict=True)
         ]
 
-    def _difference(self, true: Sequence[Vector], changes: Mapping[str, float]) -> Vector:
+    def difference(self, true: Sequence[Vector], changes: Mapping[str, float]) -> Vector:
+        """Whitened difference of the truth and a plant with these changes, nuisances made light.
+
+        Parameters
+        ----------
+        true : sequence of ndarray
+            Means of the truth.
+        changes : mapping of str to float
+            Of the other plant.
+        """
         return self._residual(self._unlike(true, changes))
 
     @cached_property
@@ -251,7 +260,7 @@ class Oracle:
     def _sensitivities(self) -> Vector:
         """Orthonormal basis of what the parameters can do, about the true ones."""
         columns = [
-            self._difference(self._nominal, {name: 1.002 * self.values[name]})
+            self.difference(self._nominal, {name: 1.002 * self.values[name]})
             for name in self.machine.free
         ]
         rows = sum(2 * f.shape[0] * 2 for f in self._whitening)
@@ -288,21 +297,45 @@ class Oracle:
                 name: known.get(name, self.values[name]) * float(np.exp(step))
                 for name, step in zip(free, p, strict=True)
             }
-            return self._difference(true, {**known, **refitted})
+            return self.difference(true, {**known, **refitted})
 
-        if not free:
-            return float(np.sum(residual(np.zeros(0)) ** 2))
+        return self._least(residual, len(free))[0]
+
+    def gain_over(
+        self,
+        true: Sequence[Vector],
+        model: Callable[[Vector], Mapping[str, float]],
+        count: int,
+    ) -> tuple[float, Vector]:
+        """Gain of the truth over another model of the plant, refitted, and where that is.
+
+        Parameters
+        ----------
+        true : sequence of ndarray
+            Means of the truth.
+        model : callable
+            Changes of the plant for logarithms of factors of its free values, at first all zero.
+        count : int
+            How many are free.
+        """
+        return self._least(lambda p: self.difference(true, model(p)), count)
+
+    @staticmethod
+    def _least(residual: Callable[[Vector], Vector], count: int) -> tuple[float, Vector]:
+        """Sum of squares after a fit from zero on, and its place."""
+        if not count:
+            return float(np.sum(residual(np.zeros(0)) ** 2)), np.zeros(0)
         fit = least_squares(
             residual,
-            np.zeros(len(free)),
+            np.zeros(count),
             bounds=(-_BOUNDS, _BOUNDS),
-            diff_step=np.full(len(free), 2e-3),
-            x_scale=np.full(len(free), 0.1),
+            diff_step=np.full(count, 2e-3),
+            x_scale=np.full(count, 0.1),
             ftol=1e-2,
             xtol=1e-3,
             max_nfev=6,
         )
-        return float(2.0 * fit.cost)
+        return float(2.0 * fit.cost), np.asarray(fit.x)
 
 
 def _driven(values: Mapping[str, float], signals: Vector) -> Vector:

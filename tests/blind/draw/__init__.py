@@ -8,6 +8,7 @@ step can be stopped and called again:
     python -m tests.blind.draw.generate --registered --seed N --out FOLDER # 700 cases
     python -m tests.blind.draw.run --out FOLDER --to OUTCOMES.jsonl [--jobs 2] [--strata null owed]
     python -m tests.blind.draw.table OUTCOMES.jsonl [MORE.jsonl ...] [--text FILE]
+    python -m tests.blind.draw.against_the_true_law OUTCOMES.jsonl --seed N --to RESULT.jsonl
 
     FOLDER/cases/003/       twin.toml, rec0.csv ...: all that the diagnosis sees
     FOLDER/answers/003.json what was hidden; FOLDER/answers.sha256 the hash of each

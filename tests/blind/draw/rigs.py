@@ -102,6 +102,20 @@ def record_with(
     rng : Generator
         Noise.
     """
+    position, command = logged_with(rig, machine, values, experiment, logger, rng)
+    time = np.asarray(np.arange(len(position)) * SAMPLE * (1.0 + logger.skew), dtype=float)
+    return csv_text(machine, experiment, time, position, command)
+
+
+def logged_with(
+    rig: Rig,
+    machine: Machine,
+    values: Mapping[str, float],
+    experiment: Experiment,
+    logger: Logger,
+    rng: Rng,
+) -> tuple[Vector, Vector]:
+    """Columns of position [position] and command [command] of the same, shape (rows,) each."""
     rows = len(experiment.reference)
     run = _play(rig, machine, values, experiment.reference, rng)
     position, command = _columns(rig, run, logger, rng)
@@ -113,10 +127,7 @@ def record_with(
             command = _filtered(command, share)
     position = position + rig.position_noise * rng.standard_normal(rows)
     command = logger.scale * (command + logger.noise(machine.command_noise, rows, rng))
-    position = _counted(position, rig.position_count)
-    command = _counted(command, rig.command_count)
-    time = np.asarray(np.arange(rows) * SAMPLE * (1.0 + logger.skew), dtype=float)
-    return csv_text(machine, experiment, time, position, command)
+    return _counted(position, rig.position_count), _counted(command, rig.command_count)
 
 
 def _play(
