@@ -13,6 +13,7 @@ import argparse
 import json
 import math
 import os
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -23,7 +24,7 @@ import numpy as np
 from tests.blind import truth
 from tests.blind.draw.errors_of_the_true_law import errors_of, joint_ratio, told_errors
 from tests.blind.draw.fit_of_the_true_law import TrueLaw
-from tests.blind.draw.judging import Judged, judge
+from tests.blind.draw.judging import Judged, claims_of, judge
 from tests.blind.draw.law_coordinates import coordinates
 from tests.blind.draw.narrowest_intervals import narrowest
 from tests.blind.draw.nulls import VARIANTS
@@ -50,9 +51,7 @@ def compared(line: Line, seed: int, partners: Mapping[str, frozenset[str]]) -> d
     judged, began = judge(line), time.monotonic()
     case = remade(line["answer"], seed)
     fixed = _fixed(judged, line["answer"])
-    free = coordinates(
-        case.plant, judged.hidden[:0] if fixed else _laws(judged), _free(case, fixed)
-    )
+    free = coordinates(case.plant, _laws(judged), _free(case, fixed))
     law = TrueLaw(case, free)
     found: dict[str, Any] = {
         "case": judged.case,
@@ -102,12 +101,14 @@ def held_out(line: Line, law: TrueLaw) -> dict[str, Any]:
         return {"why": "no whole recording was held out"}
     if not told:
         return {"why": "no run of an open loop that nothing corrects"}
+    named = any(errors["augmented"] is not None for errors in fit["signals"].values())
+    if not named and claims_of(line["diagnosis"]):
+        return {"why": "told as a fixed parameter, with which no error is stated"}
     recorded = law.case.recordings()
     noise = {name: errors["noise_floor"] for name, errors in fit["signals"].items()}
     own = [recorded[k] for k in fitted_on]
     x = law.fitted(own, fitted_on, _scales(law, own, noise))
     true = errors_of(law, recorded, x, held)
-    named = any(errors["augmented"] is not None for errors in fit["signals"].values())
     return {
         "ratio": _rounded(joint_ratio(told, true, noise)),
         "told": {name: _rounded(value) for name, value in told.items()},
@@ -243,7 +244,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         truth.SOURCE = given.plant
     outcomes = read_outcomes(given.outcomes)
     run(outcomes, given.seed, given.to, given.only)
-    tell(table(read_outcomes(given.to), outcomes), given.text)
+    typed = " ".join(sys.argv[1:] if arguments is None else arguments)
+    command = f"python -m tests.blind.draw.against_the_true_law {typed}"
+    tell(f"{command}\n\n{table(read_outcomes(given.to), outcomes)}", given.text)
 
 
 if __name__ == "__main__":

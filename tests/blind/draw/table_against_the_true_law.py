@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binom
 
+from tests.blind.draw.errors_of_the_true_law import joint_ratio, told_errors
 from tests.blind.draw.judging import judge
 from tests.blind.draw.measures import clopper_pearson
 from tests.blind.draw.separated_sets import separated, smallest
@@ -37,7 +38,7 @@ def table(lines: Sequence[Line], outcomes: Sequence[Line]) -> str:
     missing = sum(one.case not in known for one in owed)
     parts = [
         f"{len(lines)} cases compared; {missing} of {len(owed)} owed ones not yet",
-        _errors([line for line in lines if line["held_out"]]),
+        _errors([line for line in lines if line["held_out"]], outcomes),
         _sets(lines),
         _widths(lines),
     ]
@@ -60,7 +61,7 @@ def quantile_told(values: Sequence[float], share: float) -> str:
     if not values:
         return "-"
     low, high = quantile_interval(values, share)
-    return f"{np.quantile(values, share):.3g} [{low:.3g}, {high:.3g}]"
+    return f"{np.quantile(values, share):.4g} [{low:.4g}, {high:.4g}]"
 
 
 def quantile_interval(values: Sequence[float], share: float) -> tuple[float, float]:
@@ -81,7 +82,7 @@ def quantile_interval(values: Sequence[float], share: float) -> tuple[float, flo
     return float(low), float(high)
 
 
-def _errors(lines: Sequence[Line]) -> str:
+def _errors(lines: Sequence[Line], outcomes: Sequence[Line]) -> str:
     """Ratios of held-out errors of owed cases."""
     shown = [line for line in lines if "ratio" in line["held_out"]]
     named = [line for line in shown if line["held_out"]["named"]]
@@ -103,6 +104,11 @@ def _errors(lines: Sequence[Line]) -> str:
         close = sum(ratio <= _BARS["error"] for ratio in ratios)
         told = f"{quantile_told(ratios, 0.5)}; {quantile_told(ratios, 0.9)}; {_share(close, own)}"
         rows.append(f"{title:<36}{len(own):>4}   {told}")
+    diagnoses = {one["case"]: one["diagnosis"] for one in outcomes}
+    alone = [_of_the_twin(line, diagnoses[line["case"]]) for line in shown]
+    close = sum(ratio <= _BARS["error"] for ratio in alone)
+    told = f"{quantile_told(alone, 0.5)}; {quantile_told(alone, 0.9)}; {_share(close, alone)}"
+    rows.append(f"{'for comparison, the refitted twin':<36}{len(alone):>4}   {told}")
     rows.append(f"no ratio: {sum(why.values())}" + "".join(f"; {n} {w}" for w, n in why.items()))
     far = sorted(shown, key=lambda line: -line["held_out"]["ratio"])
     rows += ["largest"] + [
@@ -112,6 +118,23 @@ def _errors(lines: Sequence[Line]) -> str:
         if line["held_out"]["ratio"] > _BARS["error"]
     ]
     return "\n".join(rows)
+
+
+def _of_the_twin(line: Line, diagnosis: Mapping[str, Any]) -> float:
+    """The same ratio of the refitted twin, without what was told."""
+    signals = diagnosis["fit"]["signals"]
+    nameless = {
+        name: {**errors, "augmented": None} | {"free_run": _nameless(errors["free_run"])}
+        for name, errors in signals.items()
+    }
+    is_open = MACHINES[line["machine"]].is_open_loop
+    twin = told_errors({"fit": {"signals": nameless}}, is_open)
+    held = line["held_out"]
+    return joint_ratio(twin, held["true"], held["noise"])
+
+
+def _nameless(free_run: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    return None if free_run is None else {**free_run, "augmented": None}
 
 
 def _sets(lines: Sequence[Line]) -> str:

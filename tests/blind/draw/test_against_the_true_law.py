@@ -306,7 +306,7 @@ def test_the_interval_of_a_median_is_the_published_one() -> None:
 
 
 def test_the_table_counts_what_was_compared() -> None:
-    held = {"ratio": 2.0, "named": True, "told": {}, "true": {}}
+    held = {"ratio": 2.0, "named": True, "true": {"position": 0.1}, "noise": {"position": 0.1}}
     width = {"name": "a.b", "kind": "law", "width": 3.0, "narrowest": 2.0, "holds": True}
     line = {
         "case": "000",
@@ -321,7 +321,11 @@ def test_the_table_counts_what_was_compared() -> None:
         ],
         "intervals": [{**width, "narrowest_without": 1.0, "by_frequency": None}],
     }
-    text = table([line], [outcome("actuator_lag", hidden="actuator_lag")])
+    one = outcome("actuator_lag", hidden="actuator_lag")
+    errors = {"parameters_only": 0.5, "augmented": 0.2, "free_run": None}
+    one["diagnosis"]["fit"] = {"signals": {"position": errors}}
+    text = table([line], [one])
+    assert "5 [-inf, inf]" in text  # the refitted twin
     assert "0 of 1 owed ones not yet" in text
     assert "sets among the separated          1 of 2" in text
     assert "2 [-inf, inf]" in text
