@@ -38,7 +38,6 @@ from gmfbo.diagnosis.result.findings import Cost, Sufficiency, Verdict
 from gmfbo.diagnosis.result.next_experiment import NextExperiment
 from gmfbo.diagnosis.result.reference_test import ResidualTest
 from gmfbo.diagnosis.result.whereabouts import Location, Shape
-from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.screening.port_response import PortResponse
 from gmfbo.diagnosis.stage_times import Progress
 from gmfbo.diagnosis.validating.drifting_parameters import drifts_of
@@ -252,12 +251,10 @@ class Conclusion:
         base, compared = self.decision.base, self.decision.compared
         problem, whitening = compared.search.problem, compared.ledger.whitening
         refitted = problem.without_counts(base.hypothesis.point(base.x))
-        played = [self.case.nominal, *self.case.simulations.run([refitted])]
-        if problem.encoder is not None:
-            played[0] = self.case.simulations.run([problem.without_counts(Point())])[0]
+        as_it_came = problem.as_it_came(self.case.nominal)
         nominal, fitted = (
             whitening.square(problem.residual(problem.values(runs), base.nuisances))
-            for runs in played
+            for runs in (as_it_came, *self.case.simulations.run([refitted]))
         )
         return nominal - fitted > TOLD_APART
 

@@ -199,9 +199,8 @@ def _in_recording(
     is_open = simulations.tracking is not None
     ports = [p for p in sizes if p in base.response.ports or (p == "sensor" and is_open)]
 
-    counted = None if position is None else base.response.held.get(position)
-    shown = 0.0 if counted is None else resolution(counted)
-    quantum = rounded or shown  # without those counts another encoder of the twin may still count
+    # Without those counts another encoder of the twin may still count.
+    quantum = rounded or resolution(base.response.held.get(position or "", np.zeros(1)))
 
     def changes(port: str, size: float) -> dict[str, Array]:
         push = np.zeros(grid.size)
@@ -240,9 +239,8 @@ def _in_recording(
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
     rounding = quantum / (np.sqrt(12.0) * to_si)
-    return PortKernels(
-        kernels, step, simulated, pushed=pushed, rounding=rounding, is_counted=rounded == 0.0
-    )
+    known = {"pushed": pushed, "rounding": rounding, "is_counted": rounded == 0.0}
+    return PortKernels(kernels, step, simulated, **known)
 
 
 def _changed(simulations: Simulations, after: Response, before: Response) -> dict[str, Array]:

@@ -122,6 +122,18 @@ class Problem:
         fine = {**point.parameters, self.encoder.parameter: self.encoder.value}
         return replace(point, parameters=fine)
 
+    def as_it_came(self, nominal: list[Simulated]) -> list[Simulated]:
+        """Recordings simulated by the twin as it came, without the counts of its encoder.
+
+        Parameters
+        ----------
+        nominal : list of Simulated
+            The same with them.
+        """
+        if self.encoder is None:
+            return nominal
+        return self.simulations.run([self.without_counts(Point())])[0]
+
     def _held(self, point: Point) -> Point:
         """The same without the counts of an encoder, or with the loop that holds an open-loop twin.
 

@@ -30,7 +30,7 @@ from gmfbo.diagnosis.naming.decided_by_score import measured
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.result.curve import Curve
 from gmfbo.diagnosis.result.held_out_errors import Fit, SignalFit
-from gmfbo.diagnosis.runs.simulated import Point, Simulated
+from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.validating.explained_share import Squares
 from gmfbo.diagnosis.validating.free_run import free_runs
 from gmfbo.diagnosis.validating.noise_floors import noise_floors
@@ -112,12 +112,12 @@ def validate(
     told = [quiet(case, part.fitted, chosen) for part in (before, after)]
     about = (decision.base, decision.row)
     there = foretelling(search, ledger, decision.row)
-    fine = [quiet(case, part.fitted, chosen, search.problem) for part in (before, after)]
+    fine = (quiet(case, part.fitted, chosen, search.problem) for part in (before, after))
     seen = [seen_on(case, search, there, row, scored, about, left) for row in fine]
     without = {}
     for name, row in _rows_without(decision).items():
-        own = part_of(case, search, ledger, row, chosen).fitted
-        lost = quiet(case, own, chosen, search.problem)
+        part = part_of(case, search, ledger, row, chosen)
+        lost = quiet(case, part.fitted, chosen, search.problem)
         without[name] = seen_on(case, search, there, lost, scored, about)
     misfit = restricted(case.misfit, chosen)
     plain = measured(misfit, told[0])
@@ -153,9 +153,8 @@ def validate_unseen(case: Case, unseen: Case, decision: Decision) -> Validated:
     for row in (decision.base, whole.fitted):
         run = quiet(unseen, row, problem=search.problem)
         there.append(seen_on(unseen, search, there_ledger, run, split.held_out, (), left))
-    plain, augmented = (
-        measured(unseen.misfit, quiet(unseen, row)) for row in (decision.base, whole.fitted)
-    )
+    models = [quiet(unseen, row) for row in (decision.base, whole.fitted)]
+    plain, augmented = (measured(unseen.misfit, model) for model in models)
     told = _Told(unseen, case.misfit, split.held_out, plain, augmented, split, None)
     without = {}
     for name, row in _rows_without(decision).items():
@@ -217,12 +216,10 @@ class _Seen:
             lost = {found.winner.name: before for found in self.decision.rounds}
         return Squares(noise, before, after, lost)
 
-    def nominal(self, case: Case) -> Part:
+    def nominal(self, runs: list[Simulated]) -> Part:
         """The twin as it came, with the logging that the refitted one has."""
         problem, fitted = self.before.problem, self.before.fitted
-        runs = case.nominal
-        if problem.encoder is not None:
-            runs = case.simulations.run([problem.without_counts(Point())])[0]
+        runs = problem.as_it_came(runs)
         values = problem.values(runs)
         residual = problem.residual(values, fitted.nuisances)
         there = replace(fitted, runs=runs, values=values, residual=residual, columns=[])
@@ -247,14 +244,12 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     shown = augmented if seen.decision.row.elements else None
     floors = noise_floors(seen.after, seen.ledger)
     signals = _table(case, told.scored, told.plain, shown, told.unnamed, floors)
-    distance, nominal = _distance(seen.before, seen.after), seen.nominal(case)
+    distance, nominal = _distance(seen.before, seen.after), seen.nominal(case.nominal)
     squares, gains = seen.squares(), gains_on(seen.before, seen.after)
     removed = squares.removed if distance > SAME else None
     preferred, apart = gains_on(nominal, seen.after), _distance(nominal, seen.after)
     is_liked_less = bool(apart > SAME and preferred.sum() < 0.0)
-    is_withheld = contradicts_names(preferred, apart) or (
-        is_liked_less and all(one.is_worse for one in signals.values())
-    )
+    is_worse = is_liked_less and all(one.is_worse for one in signals.values())
     table = Fit(
         told.split.names_fitted,
         told.split.names_held_out,
@@ -262,7 +257,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         removed,
         None if shown is None else float(gains.sum()),
         None if shown is None else _error_of(gains),
-        is_withheld,
+        contradicts_names(preferred, apart) or is_worse,
     )
     return Validated(
         table,
