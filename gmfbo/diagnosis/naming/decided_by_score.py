@@ -173,8 +173,7 @@ def measured(misfit: Misfit, row: Row) -> Fitted:
     """
     hypothesis, x = row.hypothesis, row.x
     quiet = misfit.simulations.run([hypothesis.point(x)])[0]
-    # Own parts hold in these recordings alone, and a row's runs may be without an encoder's counts.
-    runs = quiet if row.own.any() or row.heard is None else row.runs
+    runs = quiet if row.own.any() else row.runs  # own parts hold in these recordings alone
     columns = [
         list(c) for c in misfit.sensitivities(hypothesis, x, quiet, range(x.size), parallel=True)
     ]
