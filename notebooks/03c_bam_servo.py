@@ -188,7 +188,8 @@ for law, (on_seen, on_unseen) in table.items():
 # beside parameters that differ from one to the next, gain a tenth of the position's error; the
 # duty's is larger than with other parameters alone. Which values in these intervals a fit ends at
 # changes with the engine: 0.45 to 0.54 times the load so far. Whether Coulomb friction alone could
-# do it hangs by less: the same engine tells the one law, or a set of both, by how a sum is rounded.
+# do it hangs by less: engines before this one told the one law, or a set of both, by how a sum was
+# rounded.
 #
 # It is far from all: of what is more than noise, the law explains little. An encoder of
 # 4096 steps has little noise, and the twin is still a twentieth of the stroke off. The authors add
