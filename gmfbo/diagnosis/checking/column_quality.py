@@ -16,11 +16,13 @@ from gmfbo.diagnosis.scoring.noise_levels import fast_power
 
 Array = NDArray[np.float64]
 
+LAGS = (2, 3)
+"""[rows] At which a repeat is chance; after more, a drift has gone on."""
+
 _AROUND = 11  # rows whose median gives the usual step around a row
 _LEAST_REPEATS = 3
 _REPEATED_SHARE = 1e-3
 _QUANTA = 3.0  # usual step in quanta, above which a repeat is no slow motion
-_LAGS = (2, 3)  # rows, at which a repeat is chance; after more, a drift has gone on
 _LATER = 2  # rows after a reading in which a command shows it: held for a row, and of a rate
 _NOISE_FREE = 0.1  # of the usual step: less noise does not hide whether a signal catches up
 _CHANCE = 4.0  # standard deviations of the number of repeats that rounding makes
@@ -97,12 +99,17 @@ def repeated_rows(
     if quantum or coincidences:
         chance = _chance_of_repeat(signed, quantum)
         by_chance = max(float(np.sum(chance[moving & inside])), coincidences)
-        if rows.size <= by_chance + _CHANCE * np.sqrt(by_chance + 1.0):
+        if not exceeds_chance(rows.size, by_chance):
             # Where the axis passes many counts a row, one repeat in the whole column is no chance.
             is_sure = (chance[rows - 1] < 1.0 / values.size) & (not coincidences)
             rows = rows[is_sure]
     sticking = _sticking(steps, usual, float(np.sqrt(fast_power(values))))
     return rows[~sticking[rows - 1]]
+
+
+def exceeds_chance(repeated: int, by_chance: float) -> bool:
+    """Whether so many rows repeat that chance, which makes `by_chance` of them, hardly could."""
+    return bool(repeated > by_chance + _CHANCE * np.sqrt(by_chance + 1.0))
 
 
 def misses_samples(repeated: int, rows: int) -> bool:
@@ -133,7 +140,7 @@ def _coincidences(values: Array, judged: NDArray[np.bool_]) -> float:
     logger that misses a sample repeats the row before, and no other.
     """
     counts = []
-    for lag in _LAGS:
+    for lag in LAGS:
         changed = judged[lag - 1 :] & (np.diff(values)[lag - 1 :] != 0.0)
         counts.append(np.count_nonzero((values[lag:] == values[:-lag]) & changed))
     return float(max(counts))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gmfbo.diagnosis.checking.column_quality import misses_samples
+from gmfbo.diagnosis.checking.column_quality import LAGS, exceeds_chance, misses_samples
 from gmfbo.diagnosis.checking.contradicted_command import refuse_columns
 from gmfbo.diagnosis.checking.contradicted_motion import judge_motions
 from gmfbo.diagnosis.checking.nominal_case import open_nominal
@@ -64,39 +66,60 @@ def without_missed(
 ) -> tuple[tuple[Recording, ...], list[str]]:
     """Recordings whose missed samples are blank, and a remark on how many there are.
 
-    A logger that misses a sample writes the row before again, all of it. One column alone may
-    repeat as well at a limit, by the digits it is written with, or in a controller that is slower
-    than the rows.
+    A logger that misses a sample writes the row before again, all of it, and no row farther before.
+    One column alone may repeat as well at a limit, by the digits it is written with, or in a
+    controller that is slower than the rows.
     """
-    found, counts = [], list[tuple[str, int, int]]()
-    for recording in recordings:
-        outputs = [n for n in twin.file.outputs if n in recording.signals.keys() - twin.file.inputs]
-        columns = {n: recording.signal(n) for n in outputs}
-        if len(columns) < 2 or min(np.isfinite(c).sum() for c in columns.values()) < LEAST_ROWS:
-            found.append(recording)
-            continue
-        again = np.all([np.diff(c, prepend=np.nan) == 0.0 for c in columns.values()], axis=0)
-        positions = describe_rig(twin.binding, outputs).positions
-        missed = np.unique(
-            np.concatenate([missed_samples(twin, positions, recording, n) for n in outputs])
-        )
-        missed = missed[again[missed]]
-        if not misses_samples(missed.size, again.size):
-            found.append(recording)
-            continue
-        counts.append((recording.name, missed.size, again.size))
-        is_missed = np.isin(np.arange(again.size), missed)
-        blanked = {n: np.where(is_missed, np.nan, column) for n, column in columns.items()}
-        found.append(recording.with_signals(blanked))
-    return tuple(found), [_blanked(counts)] if counts else []
+    rows = [_repeated_whole(twin, recording) for recording in recordings]
+    missed = sum(own.missed.size for own in rows)
+    by_chance = max(sum(own.coincidences[lag] for own in rows) for lag in range(len(LAGS)))
+    if not exceeds_chance(missed, by_chance) or not misses_samples(
+        missed, sum(map(len, recordings))
+    ):
+        return tuple(recordings), []
+    found = []
+    for recording, own in zip(recordings, rows, strict=True):
+        is_missed = np.isin(np.arange(len(recording)), own.missed)
+        blanked = {n: np.where(is_missed, np.nan, recording.signal(n)) for n in own.outputs}
+        found.append(recording.with_signals(blanked) if own.missed.size else recording)
+    counts = [(r.name, own.missed.size) for r, own in zip(recordings, rows, strict=True)]
+    return tuple(found), [_blanked([one for one in counts if one[1]])]
 
 
-def _blanked(counts: Sequence[tuple[str, int, int]]) -> str:
+class _Repeated(NamedTuple):
+    """Rows of a recording that repeat the one before, and how many repeat one farther before."""
+
+    outputs: list[str]
+    missed: NDArray[np.int64]
+    coincidences: tuple[int, ...]
+
+
+def _repeated_whole(twin: FmuTwin, recording: Recording) -> _Repeated:
+    outputs = [n for n in twin.file.outputs if n in recording.signals.keys() - twin.file.inputs]
+    columns = [recording.signal(name) for name in outputs]
+    none = _Repeated([], np.zeros(0, dtype=np.int64), (0,) * len(LAGS))
+    if len(columns) < 2 or min(np.isfinite(column).sum() for column in columns) < LEAST_ROWS:
+        return none
+    positions = describe_rig(twin.binding, outputs).positions
+    each = [missed_samples(twin, positions, recording, name) for name in outputs]
+    again = _repeats(columns, 1)
+    missed = np.unique(np.concatenate(each))
+    farther = (int(np.sum(_repeats(columns, lag) & ~again)) for lag in LAGS)
+    return _Repeated(outputs, missed[again[missed]], tuple(farther))
+
+
+def _repeats(columns: Sequence[NDArray[np.float64]], lag: int) -> NDArray[np.bool_]:
+    """Whether all columns repeat what stands so many rows before."""
+    found = np.zeros(columns[0].size, dtype=bool)
+    found[lag:] = np.all([column[lag:] == column[:-lag] for column in columns], axis=0)
+    return found
+
+
+def _blanked(counts: Sequence[tuple[str, int]]) -> str:
     where = counts[0][0] if len(counts) == 1 else f"{len(counts)} recordings"
-    missed, rows = (sum(column) for column in list(zip(*counts, strict=True))[1:])
     return (
-        f"{missed} of {rows} rows in {where} repeat the one before while the axis moves: they were "
-        "taken for blank"
+        f"{sum(missed for _, missed in counts)} rows in {where} repeat the one before while the "
+        "axis moves: they were taken for blank"
     )
 
 

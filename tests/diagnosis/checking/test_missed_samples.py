@@ -39,7 +39,7 @@ def test_what_a_logger_repeats_is_blank_and_told() -> None:
         (whole,), (note,) = without_missed(twin, [repeating(sound, *OUTPUTS)])
     for name in OUTPUTS:
         np.testing.assert_array_equal(blank(whole, name), ROWS)
-    told = "25 of 1400 rows in rec0.csv repeat the one before while the axis moves"
+    told = "25 rows in rec0.csv repeat the one before while the axis moves"
     assert note == f"{told}: they were taken for blank"
 
 
@@ -75,11 +75,22 @@ def test_control_a_recording_without_repeats_stays_as_it_is() -> None:
             assert notes == []
 
 
+def test_control_what_repeats_rows_farther_before_as_often_repeats_by_chance() -> None:
+    """A column of few values, and all that is computed from it."""
+    (sound,) = SERVO.recordings(FRICTION, (multisine,))
+    drawn = 0.1 * np.random.default_rng(2).integers(0, 4, len(sound)).astype(np.float64)
+    few = sound.with_signals(dict.fromkeys(OUTPUTS, drawn))
+    with SERVO.twin() as twin:
+        (whole,), notes = without_missed(twin, [few])
+    assert whole is few
+    assert notes == []
+
+
 def test_several_recordings_are_told_together() -> None:
     spoiled = [repeating(one, *OUTPUTS) for one in SERVO.recordings(FRICTION, seconds=1.4)]
     with SERVO.twin() as twin:
         _, notes = without_missed(twin, spoiled)
-    assert [note.partition(" rows")[2][:23] for note in notes] == [" in 2 recordings repeat"]
+    assert [note[:33] for note in notes] == ["50 rows in 2 recordings repeat th"]
 
 
 def test_a_reference_may_repeat_as_long_as_it_was_asked_to() -> None:
