@@ -9,10 +9,13 @@ from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.fitted_starts import told_starts
 from gmfbo.diagnosis.case.wider_ranges import stated_ranges
 from gmfbo.diagnosis.comparison.numbers import MOST, TOLD_APART
+from gmfbo.diagnosis.comparison.priors import coordinates_of, inside
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.from_recordings import propose
 from gmfbo.diagnosis.fitting.central_slopes import with_central_slopes
@@ -256,7 +259,20 @@ class Conclusion:
             whitening.square(problem.residual(problem.values(runs), base.nuisances))
             for runs in (as_it_came, *self.case.simulations.run([refitted]))
         )
-        return nominal - fitted > TOLD_APART
+        return nominal - fitted > TOLD_APART and self._are_elsewhere
+
+    @property
+    def _are_elsewhere(self) -> bool:
+        """Whether the refitted values are told from those that came, by how values change signals.
+
+        A twin that counts is shuffled by any change, and squares fall by chance.
+        """
+        compared = self.decision.compared
+        row, whitening = compared.ledger.rows[frozenset()], compared.ledger.whitening
+        came = coordinates_of(row.priors, row.hypothesis.start({}))
+        moved = row.u - inside(row.priors, came)
+        change = [np.tensordot(moved, own[: moved.size], 1) for own in row.columns]
+        return whitening.square(change) > TOLD_APART
 
     @property
     def _sufficiency(self) -> Sufficiency:
