@@ -7,11 +7,20 @@ from dataclasses import replace
 
 import pytest
 
+from gmfbo import diagnose
 from gmfbo.diagnosis.case import open_case
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.fitting.difference_steps import with_clear_steps
 from gmfbo.diagnosis.fitting.hypothesis import DIFFERENCE_STEP, Hypothesis
-from tests.diagnosis.short_recordings import SERVO, Axis, diagnosed, multisine, open_small, triangle
+from tests.diagnosis.short_recordings import (
+    SERVO,
+    Axis,
+    diagnosed,
+    moves,
+    multisine,
+    open_small,
+    triangle,
+)
 
 DRIVE = Axis(
     "drive_twin",
@@ -77,3 +86,12 @@ def test_steps_that_are_known_stay_and_ask_for_no_run(smooth: Case) -> None:
     again = with_clear_steps(smooth.misfit, hypothesis, {}, parallel=False)
     assert again.setting.difference_steps == known
     assert smooth.simulations.runs == before
+
+
+@pytest.mark.slow
+def test_nothing_is_told_where_only_counts_fall_otherwise() -> None:
+    """Squares of the refitted twin are less by 33 of 10,000, by chance, and were "parameters"."""
+    axis = replace(DRIVE, truth={})
+    with axis.twin() as twin:
+        found = diagnose(twin, axis.recordings({}, (multisine, moves, triangle)), seed=0)
+    assert found.verdict == "none"
