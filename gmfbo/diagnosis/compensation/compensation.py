@@ -66,6 +66,7 @@ def compensation_of(
     tables: list[CompensationTable] = []
     left: list[NotCompensated] = []
     for effect in diagnosis.effects:
+        _require_numbers(effect, name)
         try:
             found = compensating_tables(effect.name, _values(effect, told), ground)
         except KeyError:  # a range or a fixed value that an older diagnosis does not hold
@@ -118,6 +119,15 @@ def _older_ground(diagnosis: Diagnosis, name: str, smoothing: float | None) -> G
     known = {"velocity": Span(-fastest, fastest, f"{length}/s")}
     more = {"position": length, "torque": torque, "reference": length}
     return Ground(known, smoothing, {"velocity": f"{length}/s", **more})
+
+
+def _require_numbers(effect: NamedEffect, name: str) -> None:
+    for parameter, one in effect.parameters.items():
+        if not np.isfinite(one.value):
+            raise InputError(
+                f"{name}: expected a number for {parameter} of {words(effect.name)}, got none; "
+                "diagnose again"
+            )
 
 
 def _values(effect: NamedEffect, told: Predictions | None) -> dict[str, float]:

@@ -108,6 +108,17 @@ def test_other_units_are_refused_where_ranges_do_not_tell_the_motions(
     assert not out.exists()
 
 
+def test_a_value_that_is_missing_is_no_table(
+    found: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (found / "diagnosis.json").write_text(EXAMPLE.replace('"value": 0.52', '"value": null'))
+    out = found / "friction.c"
+    code, _, told = answer(capsys, "compensate", found, "--out", out, "--smoothing", "0.05")
+    assert (code, told.count("\n")) == (2, 1)
+    assert "expected a number for level of coulomb friction, got none" in told
+    assert not out.exists()
+
+
 def test_where_the_recorded_ranges_were_saved_no_smoothing_is_needed(
     found: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
