@@ -171,7 +171,7 @@ def _quality(
     limit = _known_limit(case.twin, name, is_command=is_command) if is_output else None
     # An input may hold its value as long as it was asked to.
     if is_output and not is_latched(refresh):
-        repeated = missed_samples(case.twin, case.rig.positions, recording, name).size
+        repeated = _repeated(case.twin, case.rig.positions, recording, name, known, quantum).size
         # An end stop holds a position at rest, a limit anything else while the axis accelerates.
         speed = np.interp(recording.time[known], states.time, states.velocity)
         is_position = name in case.rig.positions
@@ -210,7 +210,19 @@ def missed_samples(
     quantum = resolution(values)
     if is_latched(refresh_rows(values, quantum)):
         return known[:0]
-    times = recording.time[known]
+    return _repeated(twin, positions, recording, name, known, quantum)
+
+
+def _repeated(
+    twin: FmuTwin,
+    positions: Collection[str],
+    recording: Recording,
+    name: str,
+    known: NDArray[np.int64],
+    quantum: float,
+) -> NDArray[np.int64]:
+    """The same of a column that is not latched, from its known rows and its resolution."""
+    values, times = recording.signal(name)[known], recording.time[known]
     rounded = np.zeros(times.size, dtype=bool)
     # Near a reading that repeats by its rounding, so may what is computed from it.
     for reading in _readings(twin, positions, name):

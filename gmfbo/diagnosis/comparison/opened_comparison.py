@@ -131,7 +131,7 @@ def comparison_of(
     kernels_at, sizes = kernels_of(case, problem), _sizes(case)
     first = _first(case, problem)
     kernels = kernels_at(first)
-    problem = replace(problem, is_counted=kernels.is_counted and kernels.rounding > 0.0)
+    problem = replace(problem, is_counted=kernels.is_counted)
     ports = {*first.runs[0].response.ports, *kernels.kernels}
     if is_open and rig.position is not None:
         problem = _followed(case, problem, kernels)

@@ -200,7 +200,7 @@ def _in_recording(
     ports = [p for p in sizes if p in base.response.ports or (p == "sensor" and is_open)]
 
     # Without those counts another encoder of the twin may still count.
-    quantum = rounded or resolution(base.response.held.get(position or "", np.zeros(1)))
+    quantum = rounded or _count(base.response, position)
 
     def changes(port: str, size: float) -> dict[str, Array]:
         push = np.zeros(grid.size)
@@ -239,8 +239,14 @@ def _in_recording(
         logged = kernels["command"][command] + np.eye(1, taps)[0]
         kernels["command"] = {**kernels["command"], command: logged}
     rounding = quantum / (np.sqrt(12.0) * to_si)
-    known = {"pushed": pushed, "rounding": rounding, "is_counted": rounded == 0.0}
-    return PortKernels(kernels, step, simulated, **known)
+    found = PortKernels(kernels, step, simulated, pushed=pushed, rounding=rounding)
+    return replace(found, is_counted=not rounded and rounding > 0.0)
+
+
+def _count(response: Response, position: str | None) -> float:
+    """[SI unit] In which a simulated position comes; 0 where it comes in none."""
+    counted = None if position is None else response.held.get(position)
+    return 0.0 if counted is None else resolution(counted)
 
 
 def _changed(simulations: Simulations, after: Response, before: Response) -> dict[str, Array]:

@@ -96,26 +96,26 @@ def test_without_a_smoothing_one_line_asks_for_it(
     assert not (found / "friction.c").exists()
 
 
-def test_other_units_are_refused_where_ranges_do_not_tell_the_motions(
-    found: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("was", "became", "line"),
+    [
+        # A level in mN m was written as one in N m, a thousand times too large.
+        ('"unit": "N.m"', '"unit": "mN.m"', "got mN.m; diagnose again"),
+        (
+            '"value": 0.52',
+            '"value": null',
+            "expected a number for level of coulomb friction, got none",
+        ),
+    ],
+)
+def test_what_is_no_table_is_refused_in_one_line(
+    was: str, became: str, line: str, found: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A level in mN m was written as one in N m, a thousand times too large."""
-    (found / "diagnosis.json").write_text(EXAMPLE.replace('"unit": "N.m"', '"unit": "mN.m"'))
+    (found / "diagnosis.json").write_text(EXAMPLE.replace(was, became))
     out = found / "friction.c"
     code, _, told = answer(capsys, "compensate", found, "--out", out, "--smoothing", "0.05")
     assert (code, told.count("\n")) == (2, 1)
-    assert "got mN.m; diagnose again" in told
-    assert not out.exists()
-
-
-def test_a_value_that_is_missing_is_no_table(
-    found: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (found / "diagnosis.json").write_text(EXAMPLE.replace('"value": 0.52', '"value": null'))
-    out = found / "friction.c"
-    code, _, told = answer(capsys, "compensate", found, "--out", out, "--smoothing", "0.05")
-    assert (code, told.count("\n")) == (2, 1)
-    assert "expected a number for level of coulomb friction, got none" in told
+    assert line in told
     assert not out.exists()
 
 

@@ -6,13 +6,12 @@ import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.problem import EncoderCounts
-from gmfbo.diagnosis.comparison.starting.fixed_parameters import changeable
+from gmfbo.diagnosis.comparison.starting.fixed_parameters import SMALL_CHANGE, changeable
 from gmfbo.diagnosis.runs.quantum import resolution
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.sources.twin.twin import FmuTwin
 from gmfbo.sources.twin.uncertain import Uncertain
 
-_CHANGE = 1.05
 _UNLIKE = 0.1  # by which the power of the parameter in a count may differ from 1 or -1
 _FINER, _FEWEST = 1000.0, 10.0  # counts in the place of one, and how many would do
 
@@ -38,9 +37,9 @@ def encoder_counts(case: Case) -> EncoderCounts | None:
     if quantum == 0.0:
         return None
     for one in changeable(case.twin, (), also_certain=True):
-        changed = case.simulations.run_one(Point({one.name: one.nominal * _CHANGE}), most)
+        changed = case.simulations.run_one(Point({one.name: one.nominal * SMALL_CHANGE}), most)
         after = resolution(changed.response.held[signal]) if changed.finite else 0.0
-        power = 0.0 if after == 0.0 else float(np.log(after / quantum) / np.log(_CHANGE))
+        power = 0.0 if after == 0.0 else float(np.log(after / quantum) / np.log(SMALL_CHANGE))
         if abs(abs(power) - 1.0) > _UNLIKE:
             continue
         value = _finest(case.twin, one, power)

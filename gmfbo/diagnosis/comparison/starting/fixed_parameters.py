@@ -17,8 +17,10 @@ from gmfbo.sources.twin.uncertain import Uncertain
 _RANGE = 4.0
 """Times the value of a freed parameter, either way: three standard deviations and a half."""
 
+SMALL_CHANGE = 1.05
+"""Times the value of a parameter, that any model of an axis stands."""
+
 _MOST = 20
-_SMALL_CHANGE = 1.05
 
 _NO_PHYSICS = frozenset({"initial", "init", "start", "seed", "step", "sample", "period"})
 """Words of a name that belong to the simulation, or to one run, and not to the axis."""
@@ -85,7 +87,7 @@ def _words(name: str) -> list[str]:
 
 def _largest(case: Case, found: list[Uncertain]) -> list[Uncertain]:
     simulations = case.simulations
-    points = [Point({one.name: one.nominal * _SMALL_CHANGE}) for one in found]
+    points = [Point({one.name: one.nominal * SMALL_CHANGE}) for one in found]
     sizes = [_change(case, runs) for runs in simulations.run(points)]
     order = np.argsort(sizes)[::-1][:_MOST]
     return [found[i] for i in sorted(order) if sizes[i] > 0.0]
