@@ -18,6 +18,7 @@ from gmfbo.diagnosis.comparison.controller_reading import (
 from gmfbo.diagnosis.comparison.fit_noise import FitNoise
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
+from gmfbo.diagnosis.comparison.modes.trial_points import TrialPoints
 from gmfbo.diagnosis.comparison.moves import Element, ranked, responses
 from gmfbo.diagnosis.comparison.noise.places import Levels
 from gmfbo.diagnosis.comparison.nuisance_columns import logging_of
@@ -137,7 +138,7 @@ def comparison_of(
         problem = _followed(case, problem, kernels)
     cared = {p: TOLERANCE * size for p, size in sizes.items() if p != "sensor" and p in ports}
     search = Search(
-        _elements(case, effects, passing, held if encoder is None else {*held, encoder.parameter}),
+        _elements(case, effects, passing, held if encoder is None else {*held, *encoder.values}),
         FitNoise(problem, _least_levels(case, problem, ports), cared, held_at_rest(case)),
         INADEQUACY_TOLERANCE * _usual_torque(case),
         kernels_at,
@@ -250,12 +251,15 @@ def _followed(case: Case, problem: Problem, kernels: PortKernels) -> Problem:
 
 
 def _first(case: Case, problem: Problem) -> Fitted:
-    hypothesis, runs = Hypothesis(case.setting), case.base.simulated
+    setting, runs = case.setting, case.base.simulated
     if problem.encoder is not None:
-        runs = case.simulations.run([problem.point(hypothesis, case.base.x)])[0]
+        setting = replace(setting, difference_steps={})  # those that counts had asked for
+        point = problem.point(Hypothesis(setting), case.base.x)
+        runs = case.simulations.run([point])[0]
+    hypothesis = Hypothesis(setting)
     priors = priors_of(hypothesis, ())
     values = problem.values(runs)
-    return Fitted(
+    first = Fitted(
         hypothesis,
         (),
         priors,
@@ -267,7 +271,11 @@ def _first(case: Case, problem: Problem) -> Fitted:
         [],
         False,
         problem.logging.one_sided,
+        np.zeros((len(case.simulations.records), case.base.x.size)),
     )
+    if problem.encoder is None:
+        return first
+    return TrialPoints(problem, hypothesis).with_judged_steps(first, problem.square_by_range)
 
 
 def _least_own(problem: Problem, name: str) -> float:

@@ -23,20 +23,17 @@ _RUN_AWAY = 1e6  # times a signal's range
 
 @dataclass(frozen=True)
 class EncoderCounts:
-    """Counts in which a twin reads its position.
+    """Counts in which a twin reads its position, or another angle.
 
     Attributes
     ----------
-    parameter : str
-        FMU parameter that sets them.
-    value : float
-        [FMU's unit] Of it, with which there are none to speak of.
+    values : mapping of str to float
+        [FMU's unit] FMU parameters that set them, at values with which there are none to speak of.
     count : float
-        [SI unit] Quantum of the position.
+        [SI unit] Quantum of the position; 0 where only something else is counted.
     """
 
-    parameter: str
-    value: float
+    values: Mapping[str, float]
     count: float
 
 
@@ -116,14 +113,13 @@ class Problem:
         return replace(point, own=[self._held(hypothesis.point(x_own)) for x_own in each])
 
     def without_counts(self, point: Point) -> Point:
-        """The same without the counts of the encoder, where they are known."""
+        """The same without the counts of encoders, where they are known."""
         if self.encoder is None:
             return point
-        fine = {**point.parameters, self.encoder.parameter: self.encoder.value}
-        return replace(point, parameters=fine)
+        return replace(point, parameters={**point.parameters, **self.encoder.values})
 
     def as_it_came(self, nominal: list[Simulated]) -> list[Simulated]:
-        """Recordings simulated by the twin as it came, without the counts of its encoder.
+        """Recordings simulated by the twin as it came, without the counts of its encoders.
 
         Parameters
         ----------
@@ -171,6 +167,12 @@ class Problem:
             for segment, columns, recorded in zip(self.segments, values, self.recorded, strict=True)
             for name, own, was in zip(segment.names, columns, recorded, strict=True)
         )
+
+    def square_by_range(self, change: Sequence[Array]) -> float:
+        """Square of a change of the signals, by the range of each, over all segments."""
+        extents = [[self.ranges[name] or 1.0 for name in s.names] for s in self.segments]
+        shares = zip(change, extents, strict=True)
+        return float(sum(np.sum((c / np.array(e)[:, None]) ** 2) for c, e in shares))
 
     def residual(self, values: Sequence[Array], nuisances: Array) -> list[Array]:
         """[SI] Recorded less simulated, as the logger stores it, by segment."""

@@ -23,12 +23,13 @@ DRIVE = Axis(
 COUNT = 2.0 * np.pi / 4096.0  # [rad]
 
 
-def test_the_parameter_that_sets_the_counts_is_found_and_simulations_have_none() -> None:
+def test_the_parameters_that_set_counts_are_found_and_simulations_have_none() -> None:
     case = open_small(DRIVE.twin(), DRIVE.recordings({}, (multisine, moves)))
     with case.simulations:
         found = encoder_counts(case)
         assert found is not None
-        assert (found.parameter, found.value) == ("enc.resolution", 4096e3)
+        # The motor's encoder is no output of the twin, but its counts shuffle the command.
+        assert found.values == {"enc.resolution": 4096e3, "enc.motor_resolution": 4096e3}
         assert found.count == pytest.approx(COUNT, rel=1e-6)
         problem = problem_on(case, case.budget.windows, found)
         hypothesis = Hypothesis(case.setting)
@@ -36,15 +37,18 @@ def test_the_parameter_that_sets_the_counts_is_found_and_simulations_have_none()
         position, counted = (r.response.held["position"] for r in (run, case.base.simulated[0]))
         assert resolution(counted) == pytest.approx(COUNT, rel=1e-6)
         assert resolution(position) < 0.01 * COUNT
+        assert case.setting.is_rough
         stated = comparison_of(case, [])
         ledger = stated.search.opened(stated.first)
-    # A push of the reading is answered clearly, though the motor's encoder still counts.
+    # Without counts usual difference steps show a smooth answer.
+    assert not stated.first.hypothesis.setting.is_rough
     sensed = ledger.kernels.kernels["sensor"]
     assert np.abs(sensed["position"] - np.eye(1, sensed["position"].size)[0]).max() < 0.1
     # What is not simulated is played, and the reading has no less noise.
     assert ledger.kernels.beyond_rounding(3e-3) == pytest.approx(3e-3)
     assert ledger.levels.ports["sensor"] > 0.99 * COUNT / np.sqrt(12.0)
-    assert "parameter:enc.resolution" not in {one.name for one in stated.search.elements}
+    elements = {one.name for one in stated.search.elements}
+    assert not elements & {"parameter:enc.resolution", "parameter:enc.motor_resolution"}
 
 
 def test_a_parameter_that_nobody_may_doubt_sets_the_counts_as_well() -> None:
@@ -54,7 +58,7 @@ def test_a_parameter_that_nobody_may_doubt_sets_the_counts_as_well() -> None:
     with case.simulations:
         found = encoder_counts(case)
     assert found is not None
-    assert found.parameter == "enc.resolution"
+    assert found.values.keys() == {"enc.resolution", "enc.motor_resolution"}
 
 
 def test_a_twin_without_counts_is_simulated_as_it_is() -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.modes.trial_points import TrialPoints
-from gmfbo.diagnosis.comparison.numbers import SETTLED
+from gmfbo.diagnosis.comparison.numbers import AT_THE_END, SETTLED
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.priors import Prior
 from gmfbo.diagnosis.comparison.row_fits import cost
@@ -46,6 +46,38 @@ def test_what_stays_far_behind_the_best_fit_is_not_searched_on() -> None:
     assert level.x == pytest.approx(base.x, rel=1e-3)
     gained = cost(level, ledger.whitening) - cost(more, ledger.whitening)
     assert 0.0 <= gained < SETTLED  # as promised
+
+
+def test_columns_are_kept_while_predictions_stay_within_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where values are told, the same search measures them as the predictions move less."""
+    measured: list[NDArray[np.float64]] = []
+    usual = TrialPoints.columns
+
+    def seen(self: TrialPoints, at: Any) -> list[NDArray[np.float64]]:
+        measured.append(at.u)
+        return usual(self, at)
+
+    monkeypatch.setattr(TrialPoints, "columns", seen)
+    with opened(planted(SIGMA)) as case:
+        search = (stated := comparison_of(case, [])).search
+        ledger = search.opened(stated.first)
+        base = ledger.rows[frozenset()]
+        wrong = {name: 1.02 * value for name, value in base.parameters.items()}
+        fits = []
+        for settled in (SETTLED, AT_THE_END):
+            measured.clear()
+            fit = ModeSearch(search.problem, ledger.whitening, base.hypothesis)
+            found = fit.fitted(wrong, settled=settled)
+            assert found is not None
+            spread = max(float(np.abs(found.u - u).max()) for u in measured[-1:])
+            fits.append((found, len(measured), spread))
+    (usual_fit, columns, _), (told, more, left) = fits
+    assert 1 < columns <= more
+    assert left < 1e-3
+    assert cost(usual_fit, ledger.whitening) - cost(told, ledger.whitening) < SETTLED
+    np.testing.assert_allclose(usual_fit.x, told.x, rtol=1e-3)
 
 
 def test_columns_are_of_what_the_logger_stores() -> None:
@@ -156,6 +188,9 @@ class Tried(Parabola):
     def _moved(self, at: Any, step: Any, damping: float) -> Any:
         self.tried += 1
         return 100.0 + self.lost[self.tried - 1]
+
+    def _squared_change(self, at: Any, before: Any) -> float:
+        return 0.0
 
     def _ended(self, at: Any, columns: Any, converged: bool) -> Any:
         return SimpleNamespace(cost=self.cost(at), converged=converged)

@@ -155,15 +155,14 @@ class ModeSearch:
         at = self._points.at(row.u, row.nuisances, own)
         if at is None:
             return replace(row, converged=False)
-        change = [a - b for a, b in zip(at.values, row.values, strict=True)]
-        if self._whitening.square(change) < SAME:
+        if self._squared_change(at, row) < SAME:
             return self._searched(at, row.columns, iterations, settled, rival)
         return self._searched(at, self._points.columns(at), iterations, settled, rival)
 
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
-        damping, cost, spent = _DAMPING, self.cost(at), 0
+        damping, cost, spent, measured = _DAMPING, self.cost(at), 0, at
         while spent < iterations:
             at, columns = self._with_finer_steps(at, columns)
             step, gain = self._step(at, columns, damping)
@@ -186,10 +185,20 @@ class ModeSearch:
             # take all of the cost.
             spent += not (fall * iterations > before > 0.0)
             damping = max(0.1 * taken.damping, 1e-7)
-            columns = self._points.columns(at)
+            # Columns are exact enough for a chord step (Ortega, Rheinboldt 1970, section 7.1).
+            if self._squared_change(at, measured) < SAME * settled / SETTLED:
+                columns = list(columns)
+            else:
+                columns, measured = self._points.columns(at), at
             if fall < AT_THE_END:
                 return self._ended(at, columns, True)
         return self._ended(at, columns, False)
+
+    def _squared_change(self, at: Fitted, before: Fitted) -> float:
+        """Whitened square of the difference of what two fits predict."""
+        return self._whitening.square(
+            [a - b for a, b in zip(at.values, before.values, strict=True)]
+        )
 
     def _lower(
         self, at: Fitted, columns: list[Array], step: _Step, cost: float, settled: float

@@ -151,8 +151,10 @@ class TrialPoints:
 
     def with_clear_steps(self, at: Fitted, square: Square) -> Fitted:
         """The same, with difference steps that an encoder's counts in the twin do not drown."""
-        if not self.is_shuffled:
-            return at
+        return self.with_judged_steps(at, square) if self.is_shuffled else at
+
+    def with_judged_steps(self, at: Fitted, square: Square) -> Fitted:
+        """The same, with a difference step of each quantity that has none yet."""
         self.hypothesis = with_judged_steps(self.hypothesis, at.x, self._judged(at, square))
         return self.restated(at)
 
