@@ -119,6 +119,9 @@ class Parabola(ModeSearch):
         )
         return self._step(cast(Any, at), [], damping)
 
+    def _squared_change(self, at: Any, before: Any) -> float:
+        return 0.0
+
     def _with_finer_steps(self, at: Any, columns: Any) -> tuple[Any, Any]:
         return at, columns
 
@@ -188,9 +191,6 @@ class Tried(Parabola):
     def _moved(self, at: Any, step: Any, damping: float) -> Any:
         self.tried += 1
         return 100.0 + self.lost[self.tried - 1]
-
-    def _squared_change(self, at: Any, before: Any) -> float:
-        return 0.0
 
     def _ended(self, at: Any, columns: Any, converged: bool) -> Any:
         return SimpleNamespace(cost=self.cost(at), converged=converged)

@@ -170,12 +170,19 @@ class ModeSearch:
             promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
             if cost - HOPED_STEPS * promised > rival + FAR_BEHIND:
                 return self._ended(at, columns, False)
-            if promised < settled:
+            # Of rivals of the best fit, columns that are exact enough for a step are enough.
+            is_exact = rival < np.inf or self._squared_change(at, measured) < settled
+            if promised < settled and is_exact:
                 return self._ended(at, columns, True)
             if gain < AT_THE_END:
                 damping = _DAMPING
                 step, gain = self._step(at, columns, damping)
-            lower = self._lower(at, columns, _Step(step, gain, damping), cost, settled)
+            lower = None
+            if promised >= settled:
+                lower = self._lower(at, columns, _Step(step, gain, damping), cost, settled)
+            if lower is None and not is_exact:  # exact columns may promise more
+                columns, measured, damping = self._points.columns(at), at, _DAMPING
+                continue
             if lower is None:
                 return self._ended(at, columns, promised < FAR_BEHIND)
             at, taken = lower
@@ -186,7 +193,8 @@ class ModeSearch:
             spent += not (fall * iterations > before > 0.0)
             damping = max(0.1 * taken.damping, 1e-7)
             # Columns are exact enough for a chord step (Ortega, Rheinboldt 1970, section 7.1).
-            if self._squared_change(at, measured) < SAME * settled / SETTLED:
+            is_near = self._squared_change(at, measured) < SAME * settled / SETTLED
+            if is_near and fall >= AT_THE_END:
                 columns = list(columns)
             else:
                 columns, measured = self._points.columns(at), at
