@@ -58,6 +58,8 @@ class Fitted:
         Under which the recordings are simulated.
     under : Whitening, or None
         Under which it was fitted.
+    columns_at : list of ndarray, shape (m, n)
+        [SI] What was left where the columns were measured; empty where that is here.
     """
 
     hypothesis: Hypothesis
@@ -74,6 +76,7 @@ class Fitted:
     own: Array = field(default_factory=lambda: np.zeros((0, 0)))
     heard: HeardNoise | None = None
     under: Whitening | None = None
+    columns_at: list[Array] = field(default_factory=list)
 
     @property
     def x(self) -> Array:

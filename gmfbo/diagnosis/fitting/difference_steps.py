@@ -19,8 +19,7 @@ _MOST_SHOWN = 20.0  # standard deviations of noise, by which a step changes all 
 MUCH_SHOWN = 60.0
 """[standard deviations of noise] Change of all signals by a step that may be too long."""
 
-SMOOTH = 0.1
-"""Roughness below which no other step is tried."""
+_SMOOTH = 0.1  # roughness below which no other step is tried
 
 
 def with_clear_steps(
@@ -83,7 +82,7 @@ def with_judged_steps(hypothesis: Hypothesis, x: Array, judged: Judge) -> Hypoth
         return hypothesis
     least = _roughness(hypothesis, x, steps, judged)
     for step in _WIDER:
-        rough = [name for name, seen in least.items() if seen > SMOOTH]
+        rough = [name for name, seen in least.items() if seen > _SMOOTH]
         seen = _roughness(hypothesis, x, dict.fromkeys(rough, step), judged) if rough else {}
         better = {name for name in seen if seen[name] < least[name]}
         steps |= dict.fromkeys(better, step)
@@ -122,10 +121,10 @@ def with_finer_steps(
     finer = {
         name: DIFFERENCE_STEP * _MOST_SHOWN / shown[name]
         for name, seen in bent.items()
-        if seen > SMOOTH
+        if seen > _SMOOTH
     }
     seen = _roughness(hypothesis, x, finer, judged) if finer else {}
-    steps = {name: finer[name] for name, share in seen.items() if share <= SMOOTH}
+    steps = {name: finer[name] for name, share in seen.items() if share <= _SMOOTH}
     if not steps:
         return hypothesis
     return hypothesis.moved_by({**known, **steps})

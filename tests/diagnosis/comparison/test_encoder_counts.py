@@ -65,3 +65,14 @@ def test_a_twin_without_counts_is_simulated_as_it_is() -> None:
     case = open_small(SERVO.twin(), SERVO.recordings({}, (moves,)))
     with case.simulations:
         assert encoder_counts(case) is None
+
+
+def test_a_gap_of_the_twin_is_no_encoder_though_it_shuffles_runs_as_well() -> None:
+    """Tiny changes let a loose load bounce otherwise, as they let counts fall otherwise."""
+    geared = {"gear.flexible": 1.0, "gear.backlash": 0.01}
+    twin = FmuTwin(models_folder() / "drive_twin.toml", parameters=geared)
+    case = open_small(twin, DRIVE.recordings({}, (moves,)))
+    with case.simulations:
+        found = encoder_counts(case)
+    assert found is not None
+    assert found.values.keys() == {"enc.resolution", "enc.motor_resolution"}

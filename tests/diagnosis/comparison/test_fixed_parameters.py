@@ -6,7 +6,7 @@ import pytest
 
 from gmfbo import FmuTwin, models_folder
 from gmfbo.diagnosis.comparison.starting import fixed_parameters
-from gmfbo.diagnosis.comparison.starting.fixed_parameters import changeable
+from gmfbo.diagnosis.comparison.starting.fixed_parameters import changeable, slightly_changed
 from tests.diagnosis.short_recordings import Axis, moves, open_small
 
 
@@ -26,6 +26,14 @@ def test_values_given_to_a_twin_stand_for_those_of_its_fmu() -> None:
     assert "friction.coulomb" not in found
     assert found["friction.stribeck"].nominal == 0.5
     assert found["friction.presliding"].nominal == 1e-3
+
+
+def test_near_the_end_of_what_an_fmu_allows_a_parameter_is_changed_the_other_way() -> None:
+    """0.97 times 1.05 is no duty."""
+    given = {"servo.duty_limit": 0.97}
+    with FmuTwin(models_folder() / "servo_pendulum.toml", parameters=given) as twin:
+        found = {one.name: slightly_changed(one) for one in changeable(twin, ())}
+    assert found["servo.duty_limit"] == pytest.approx(0.97 / 1.05)
 
 
 def test_what_an_fmu_declares_fixed_competes_and_what_belongs_to_the_simulation_does_not() -> None:

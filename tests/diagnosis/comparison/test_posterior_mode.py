@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any, cast
@@ -48,15 +49,14 @@ def test_what_stays_far_behind_the_best_fit_is_not_searched_on() -> None:
     assert 0.0 <= gained < SETTLED  # as promised
 
 
-def test_columns_are_kept_while_predictions_stay_within_noise(
+def test_a_rival_keeps_its_columns_while_predictions_stay_and_what_is_told_has_exact_ones(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Where values are told, the same search measures them as the predictions move less."""
-    measured: list[NDArray[np.float64]] = []
+    measured: list[list[NDArray[np.float64]]] = []
     usual = TrialPoints.columns
 
     def seen(self: TrialPoints, at: Any) -> list[NDArray[np.float64]]:
-        measured.append(at.u)
+        measured.append(at.residual)
         return usual(self, at)
 
     monkeypatch.setattr(TrialPoints, "columns", seen)
@@ -64,20 +64,25 @@ def test_columns_are_kept_while_predictions_stay_within_noise(
         search = (stated := comparison_of(case, [])).search
         ledger = search.opened(stated.first)
         base = ledger.rows[frozenset()]
-        wrong = {name: 1.02 * value for name, value in base.parameters.items()}
-        fits = []
-        for settled in (SETTLED, AT_THE_END):
+        wrong = {name: 1.0001 * value for name, value in base.parameters.items()}
+
+        def fitted(settled: float, rival: float) -> tuple[Any, int]:
             measured.clear()
             fit = ModeSearch(search.problem, ledger.whitening, base.hypothesis)
-            found = fit.fitted(wrong, settled=settled)
-            assert found is not None
-            spread = max(float(np.abs(found.u - u).max()) for u in measured[-1:])
-            fits.append((found, len(measured), spread))
-    (usual_fit, columns, _), (told, more, left) = fits
-    assert 1 < columns <= more
-    assert left < 1e-3
-    assert cost(usual_fit, ledger.whitening) - cost(told, ledger.whitening) < SETTLED
-    np.testing.assert_allclose(usual_fit.x, told.x, rtol=1e-3)
+            return fit.fitted(wrong, settled=settled, rival=rival), len(measured)
+
+        behind, few = fitted(SETTLED, 1e12)
+        told, more = fitted(AT_THE_END, np.inf)
+        assert few < more
+        np.testing.assert_allclose(behind.x, told.x, rtol=1e-3)
+        assert cost(behind, ledger.whitening) - cost(told, ledger.whitening) < SETTLED
+        # A rival that leads from now on is measured where it stands.
+        measured.clear()
+        other = replace(ledger.whitening)
+        led = ModeSearch(search.problem, other, base.hypothesis).again(behind)
+    assert behind.columns_at
+    moved = [a - b for a, b in zip(led.columns_at or led.residual, led.residual, strict=True)]
+    assert ledger.whitening.square(moved) <= SETTLED
 
 
 def test_columns_are_of_what_the_logger_stores() -> None:
@@ -106,7 +111,9 @@ class Parabola(ModeSearch):
 
     def __init__(self, curvature: NDArray[np.float64], slope: NDArray[np.float64]) -> None:
         priors = (Prior(1e-9, 1e9, True, "uniform", 0.0, 0.0),) * 2
-        self._points = cast(Any, SimpleNamespace(priors=priors, columns=lambda at: []))
+        self._points = cast(
+            Any, SimpleNamespace(priors=priors, columns=lambda at: [], renewed=lambda at, own: own)
+        )
         self._parts, self._made = None, (curvature, slope)
 
     def _normal(self, at: Any, columns: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -121,6 +128,9 @@ class Parabola(ModeSearch):
 
     def _squared_change(self, at: Any, before: Any) -> float:
         return 0.0
+
+    def _measured_at(self, at: Any) -> Any:
+        return at
 
     def _with_finer_steps(self, at: Any, columns: Any) -> tuple[Any, Any]:
         return at, columns
@@ -165,7 +175,7 @@ def test_a_step_like_one_that_failed_is_not_tried() -> None:
         def _moved(self, at: Any, step: Any, damping: float) -> None:
             promised.append(8.0 / (1.0 + damping))
 
-        def _ended(self, at: Any, columns: Any, converged: bool) -> Any:
+        def _ended(self, at: Any, columns: Any, converged: bool, measured: Any = None) -> Any:
             return SimpleNamespace(converged=converged)
 
     rough = Rough(np.eye(2), np.zeros(2))
@@ -192,7 +202,7 @@ class Tried(Parabola):
         self.tried += 1
         return 100.0 + self.lost[self.tried - 1]
 
-    def _ended(self, at: Any, columns: Any, converged: bool) -> Any:
+    def _ended(self, at: Any, columns: Any, converged: bool, measured: Any = None) -> Any:
         return SimpleNamespace(cost=self.cost(at), converged=converged)
 
 

@@ -148,32 +148,39 @@ class ModeSearch:
         if is_known and row.converged and settled >= SETTLED:
             return row
         own = self._own_near(row)
+        residual = row.residual
+        if row.own.size:
+            residual = without_own_parts(self._problem, residual, row.columns, -row.own)
         if row.heard is self._heard and np.array_equal(own, row.own):
-            residual = without_own_parts(self._problem, row.residual, row.columns, -own)
             there = replace(row, residual=residual)
             return self._searched(there, row.columns, iterations, settled, rival)
         at = self._points.at(row.u, row.nuisances, own)
         if at is None:
             return replace(row, converged=False)
-        if self._squared_change(at, row) < SAME:
+        before = replace(row, residual=residual)
+        if self._squared_change(at, before) < SAME:
+            at = replace(at, columns_at=self._measured_at(before).residual)
             return self._searched(at, row.columns, iterations, settled, rival)
         return self._searched(at, self._points.columns(at), iterations, settled, rival)
 
     def _searched(
         self, at: Fitted, columns: list[Array], iterations: int, settled: float, rival: float
     ) -> Fitted:
-        damping, cost, spent, measured = _DAMPING, self.cost(at), 0, at
+        damping, cost, spent, measured = _DAMPING, self.cost(at), 0, self._measured_at(at)
+        is_rival = rival < np.inf
         while spent < iterations:
-            at, columns = self._with_finer_steps(at, columns)
+            finer = self._with_finer_steps(at, columns)
+            measured = measured if finer[1] is columns else at
+            at, columns = finer
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
             promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
             if cost - HOPED_STEPS * promised > rival + FAR_BEHIND:
-                return self._ended(at, columns, False)
+                return self._ended(at, columns, False, measured)
             # Of rivals of the best fit, columns that are exact enough for a step are enough.
-            is_exact = rival < np.inf or self._squared_change(at, measured) < settled
+            is_exact = is_rival or self._squared_change(at, measured) <= settled
             if promised < settled and is_exact:
-                return self._ended(at, columns, True)
+                return self._ended(at, columns, True, measured)
             if gain < AT_THE_END:
                 damping = _DAMPING
                 step, gain = self._step(at, columns, damping)
@@ -184,7 +191,7 @@ class ModeSearch:
                 columns, measured, damping = self._points.columns(at), at, _DAMPING
                 continue
             if lower is None:
-                return self._ended(at, columns, promised < FAR_BEHIND)
+                return self._ended(at, columns, promised < FAR_BEHIND, measured)
             at, taken = lower
             before, cost = cost, self.cost(at)
             fall = before - cost
@@ -194,18 +201,22 @@ class ModeSearch:
             damping = max(0.1 * taken.damping, 1e-7)
             # Columns are exact enough for a chord step (Ortega, Rheinboldt 1970, section 7.1).
             is_near = self._squared_change(at, measured) < SAME * settled / SETTLED
-            if is_near and fall >= AT_THE_END:
-                columns = list(columns)
+            if is_near and fall >= AT_THE_END and (is_rival or spent < iterations):
+                columns = self._points.renewed(at, columns)
             else:
                 columns, measured = self._points.columns(at), at
             if fall < AT_THE_END:
-                return self._ended(at, columns, True)
-        return self._ended(at, columns, False)
+                return self._ended(at, columns, True, measured)
+        return self._ended(at, columns, False, measured)
+
+    def _measured_at(self, at: Fitted) -> Fitted:
+        """The same, as it was where its columns were measured."""
+        return replace(at, residual=at.columns_at) if at.columns_at else at
 
     def _squared_change(self, at: Fitted, before: Fitted) -> float:
-        """Whitened square of the difference of what two fits predict."""
+        """Whitened square of the difference of what two fits leave, and so predict."""
         return self._whitening.square(
-            [a - b for a, b in zip(at.values, before.values, strict=True)]
+            [a - b for a, b in zip(at.residual, before.residual, strict=True)]
         )
 
     def _lower(
@@ -250,10 +261,18 @@ class ModeSearch:
             change, gain = self._step(at, columns, damping)
         return _Step(change, gain, damping)
 
-    def _ended(self, at: Fitted, columns: list[Array], converged: bool) -> Fitted:
+    def _ended(
+        self, at: Fitted, columns: list[Array], converged: bool, measured: Fitted | None = None
+    ) -> Fitted:
         residual = without_own_parts(self._problem, at.residual, columns, at.own)
-        under = self._whitening
-        return replace(at, residual=residual, columns=columns, converged=converged, under=under)
+        return replace(
+            at,
+            residual=residual,
+            columns=columns,
+            converged=converged,
+            under=self._whitening,
+            columns_at=[] if measured is None or measured is at else measured.residual,
+        )
 
     def _own_near(self, row: Fitted | None) -> Array:
         """Own parts of another fit, of the quantities that have any here."""

@@ -143,11 +143,17 @@ class TrialPoints:
                 found.append([(after - before) / width for after, before in change])
             else:
                 found.append([np.zeros_like(v) for v in at.values])
-        own = problem.nuisance_columns(at.values, at.nuisances)
-        return [
-            np.concatenate([np.reshape([f[s] for f in found], (-1, *d.shape[1:])), d])
-            for s, d in enumerate(own)
-        ]
+        flat = (np.reshape([f[s] for f in found], (-1, *v.shape)) for s, v in enumerate(at.values))
+        return self._beside_nuisances(at, list(flat))
+
+    def renewed(self, at: Fitted, columns: list[Array]) -> list[Array]:
+        """Columns that were measured nearby, with those of the logger as they are here."""
+        count = len(self.priors)
+        return self._beside_nuisances(at, [own[:count] for own in columns])
+
+    def _beside_nuisances(self, at: Fitted, columns: list[Array]) -> list[Array]:
+        own = self._problem.nuisance_columns(at.values, at.nuisances)
+        return [np.concatenate(both) for both in zip(columns, own, strict=True)]
 
     def with_clear_steps(self, at: Fitted, square: Square) -> Fitted:
         """The same, with difference steps that an encoder's counts in the twin do not drown."""

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.problem import EncoderCounts
-from gmfbo.diagnosis.comparison.starting.finer_counts import ENOUGH, FINER, times
-from gmfbo.diagnosis.comparison.starting.fixed_parameters import SMALL_CHANGE, changeable
-from gmfbo.diagnosis.comparison.starting.hidden_counts import hidden_counts
+from gmfbo.diagnosis.comparison.starting.fixed_parameters import changeable, slightly_changed
 from gmfbo.diagnosis.runs.quantum import resolution
 from gmfbo.diagnosis.runs.simulated import Point
+from gmfbo.recordings.recording import Recording
+from gmfbo.sources.fmu_file.job import ValueType
+from gmfbo.sources.twin.twin import FmuTwin
+from gmfbo.sources.twin.uncertain import Uncertain
+from gmfbo.sources.twin_file.entries import OutputEntry
+
+Array = NDArray[np.float64]
 
 _UNLIKE = 0.1  # by which the power of the parameter in a count may differ from 1 or -1
-_MOST = 4  # encoders that nobody sees
+_FINER, _FEWEST = 1000.0, 10.0  # counts in the place of one, and how many would do
 
 
 def encoder_counts(case: Case) -> EncoderCounts | None:
@@ -21,8 +29,9 @@ def encoder_counts(case: Case) -> EncoderCounts | None:
 
     Two runs of one axis round otherwise, and the controller answers: what an encoder rounds away is
     noise. A simulation with counts holds noise of its own, which any small change shuffles. The
-    parameter that sets the counts of the position is the one to which they are proportional, or
-    inversely. One of an encoder that nobody sees is told by a shuffle that ends with finer counts.
+    parameter that sets the counts of an output is the one to which they are proportional, or
+    inversely. All outputs of the FMU are read, those too that nobody recorded: the encoder of a
+    motor behind a gear shuffles the command as well.
 
     Parameters
     ----------
@@ -31,38 +40,100 @@ def encoder_counts(case: Case) -> EncoderCounts | None:
     """
     if case.simulations.tracking is not None:
         return None
-    found = _of_position(case)
-    values, count = ({}, 0.0) if found is None else (dict(found.values), found.count)
-    for _ in range(_MOST):
-        hidden = hidden_counts(case, values)
-        if not hidden:
-            break
-        values |= hidden
-    return EncoderCounts(values, count) if values else None
-
-
-def _of_position(case: Case) -> EncoderCounts | None:
+    with _every_output(case.twin) as twin:
+        runs = _Runs(twin, _most_moving(case))
+        counts = runs.counts()
+        if not counts:
+            return None
+        values, without = dict[str, float](), set[str]()
+        for one in changeable(case.twin, (), also_certain=True):
+            power = runs.power(one, counts)
+            if power == 0 or not (fine := runs.without({one.name: _times(twin, one, power)})):
+                continue
+            values[one.name] = _times(twin, one, power)
+            without |= fine
+    if not values or not all(run.finite for run in case.simulations.run([Point(values)])[0]):
+        return None
     signal = case.rig.position
-    if signal is None:
-        return None
-    columns = [run.response.held[signal] for run in case.nominal]
-    most = int(np.argmax([np.unique(column).size for column in columns]))
-    quantum = resolution(columns[most])
-    if quantum == 0.0:
-        return None
-    for one in changeable(case.twin, (), also_certain=True):
-        changed = case.simulations.run_one(Point({one.name: one.nominal * SMALL_CHANGE}), most)
-        after = resolution(changed.response.held[signal]) if changed.finite else 0.0
-        power = 0.0 if after == 0.0 else float(np.log(after / quantum) / np.log(SMALL_CHANGE))
-        if abs(abs(power) - 1.0) > _UNLIKE:
-            continue
-        value = times(case.twin, one, FINER ** -round(power))
-        runs = case.simulations.run([Point({one.name: value})])[0]
-        if not all(run.finite for run in runs):
-            continue
-        fine = [run.response.held[signal] for run in runs]
-        # It is the axis that it was, but for the counts.
-        moved = [float(np.sqrt(np.mean((a - b) ** 2))) for a, b in zip(fine, columns, strict=True)]
-        if resolution(fine[most]) * ENOUGH < quantum and max(moved) < quantum:
-            return EncoderCounts({one.name: value}, quantum)
-    return None
+    return EncoderCounts(values, counts[signal] if signal in without else 0.0)
+
+
+def _every_output(twin: FmuTwin) -> FmuTwin:
+    """The same twin, all real outputs of which are read."""
+    known = {entry.variable for entry in twin.file.outputs.values()}
+    added = {
+        name: OutputEntry(variable=name)
+        for name, bound in twin.binding.variables.items()
+        if bound.variable.causality == "output"
+        and bound.variable.value_type is ValueType.REAL
+        and name not in known | twin.file.inputs.keys()
+    }
+    outputs = {**twin.file.outputs, **added}
+    return twin.with_file(twin.file.model_copy(update={"outputs": outputs}))
+
+
+def _most_moving(case: Case) -> Recording:
+    values = [sum(np.unique(signal).size for signal in run.signals) for run in case.nominal]
+    return case.simulations.records[int(np.argmax(values))].plan.recording
+
+
+def _times(twin: FmuTwin, one: Uncertain, power: int) -> float:
+    """[FMU's unit] Value with a thousand times the counts, or as many as the FMU allows."""
+    value = one.nominal * _FINER**-power
+    variable = twin.binding.parameters[one.name].variable
+    if variable.minimum is not None:
+        value = max(value, variable.minimum)
+    return value if variable.maximum is None else min(value, variable.maximum)
+
+
+class _Runs:
+    """Runs of one recording by a twin whose outputs are all read."""
+
+    def __init__(self, twin: FmuTwin, recording: Recording) -> None:
+        self._twin, self._recording = twin, recording
+        self._before = self._columns({})
+
+    def counts(self) -> dict[str, float]:
+        """[SI unit] Quantum of each output that has one, as the twin is."""
+        return _quanta(self._before)
+
+    def power(self, one: Uncertain, counts: Mapping[str, float]) -> int:
+        """Power of a parameter, 1 or -1, in the counts of an output; 0 of others.
+
+        Parameters
+        ----------
+        one : Uncertain
+            The parameter.
+        counts : mapping of str to float
+            [SI unit] As the twin is.
+        """
+        value = slightly_changed(one)
+        columns = self._columns({one.name: value})
+        after = _quanta({name: columns[name] for name in counts if name in columns})
+        for name, quantum in after.items():
+            power = np.log(quantum / counts[name]) / np.log(value / one.nominal)
+            if abs(abs(power) - 1.0) <= _UNLIKE:
+                return round(float(power))
+        return 0
+
+    def without(self, values: Mapping[str, float]) -> set[str]:
+        """Outputs that count no more at these values, of an axis that is what it was."""
+        found, fine = set[str](), self._columns(values)
+        for name, before in self._before.items():
+            quantum = resolution(before)
+            if quantum == 0.0 or name not in fine:
+                continue
+            moved = float(np.sqrt(np.mean((fine[name] - before) ** 2)))
+            if resolution(fine[name]) * _FEWEST < quantum and moved < quantum:
+                found.add(name)
+        return found
+
+    def _columns(self, values: Mapping[str, float]) -> dict[str, Array]:
+        """All outputs; none where the twin does not get through the recording."""
+        run = self._twin.run({}, self._recording, parameters=dict(values))
+        return dict(run.signals) if run.status == "ok" else {}
+
+
+def _quanta(columns: Mapping[str, Array]) -> dict[str, float]:
+    found = {name: resolution(column) for name, column in columns.items()}
+    return {name: quantum for name, quantum in found.items() if quantum > 0.0}

@@ -79,6 +79,12 @@ def changeable(
     return found
 
 
+def slightly_changed(one: Uncertain) -> float:
+    """[FMU's unit] A twentieth more than a parameter's value, or less where its FMU has no room."""
+    more = one.nominal * SMALL_CHANGE
+    return more if one.low <= more <= one.high else one.nominal / SMALL_CHANGE
+
+
 def _words(name: str) -> list[str]:
     """Words of a name in lower case: sample_time, sampleTime and ctl.sample.time are alike."""
     apart = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", name)
@@ -87,7 +93,7 @@ def _words(name: str) -> list[str]:
 
 def _largest(case: Case, found: list[Uncertain]) -> list[Uncertain]:
     simulations = case.simulations
-    points = [Point({one.name: one.nominal * SMALL_CHANGE}) for one in found]
+    points = [Point({one.name: slightly_changed(one)}) for one in found]
     sizes = [_change(case, runs) for runs in simulations.run(points)]
     order = np.argsort(sizes)[::-1][:_MOST]
     return [found[i] for i in sorted(order) if sizes[i] > 0.0]
