@@ -98,7 +98,7 @@ def decide(
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
-        notes=(*notes, *_notes_of(rounds, silent)),
+        notes=(*notes, *_notes_of(rounds, silent), *_counts_told(compared)),
     )
 
 
@@ -321,6 +321,16 @@ def _log_odds(compared: Compared, claim: Claim) -> float:
     logs = scored.log_evidences.mean(1)
     holds = np.array([bool(elements & holding) for elements in scored.elements])
     return float(logs[holds].max() - logs[~holds].max())
+
+
+def _counts_told(compared: Compared) -> list[str]:
+    encoder = compared.search.problem.encoder
+    if encoder is None:
+        return []
+    return [
+        f"laws were compared without encoder counts in the twin ({', '.join(encoder.values)} set "
+        "finer), since two runs of an axis round otherwise; augmented.fmu has them as before"
+    ]
 
 
 def _notes_of(rounds: Sequence[Round], silent: Collection[str]) -> list[str]:

@@ -66,12 +66,12 @@ def test_negative_control_steps_of_the_usual_size_end_far_from_the_parameters(
         case.simulations.close()
 
 
-@pytest.mark.slow
 def test_other_parameters_of_a_rough_twin_are_not_missing_physics() -> None:
     friction = ("coulomb_friction", "presliding_friction", "viscous_friction", "sensor_lag")
     diagnosis = diagnosed(DRIVE.twin(), DRIVE.recordings({}, (multisine, triangle)), only=friction)
     assert diagnosis.verdict == "parameters"
     assert not diagnosis.effects
+    assert any("enc.resolution, enc.motor_resolution" in note for note in diagnosis.notes)
 
 
 def test_a_smooth_twin_is_moved_by_the_usual_steps(smooth: Case) -> None:
