@@ -148,9 +148,7 @@ class ModeSearch:
         if is_known and row.converged and settled >= SETTLED:
             return row
         own = self._own_near(row)
-        residual = row.residual
-        if row.own.size:
-            residual = without_own_parts(self._problem, residual, row.columns, -row.own)
+        residual = without_own_parts(self._problem, row.residual, row.columns, -row.own)
         if row.heard is self._heard and np.array_equal(own, row.own):
             there = replace(row, residual=residual)
             return self._searched(there, row.columns, iterations, settled, rival)
@@ -169,9 +167,10 @@ class ModeSearch:
         damping, cost, spent, measured = _DAMPING, self.cost(at), 0, self._measured_at(at)
         is_rival = rival < np.inf
         while spent < iterations:
-            finer = self._with_finer_steps(at, columns)
-            measured = measured if finer[1] is columns else at
-            at, columns = finer
+            before = columns
+            at, columns = self._with_finer_steps(at, before)
+            if columns is not before:
+                measured = at
             step, gain = self._step(at, columns, damping)
             # A damped step is short, and promises little wherever it begins.
             promised = gain if damping <= _DAMPING else self._step(at, columns, _DAMPING)[1]
@@ -193,11 +192,11 @@ class ModeSearch:
             if lower is None:
                 return self._ended(at, columns, promised < FAR_BEHIND, measured)
             at, taken = lower
-            before, cost = cost, self.cost(at)
-            fall = before - cost
+            higher, cost = cost, self.cost(at)
+            fall = higher - cost
             # Steps from a start that is far off do not count: `iterations` like this one would
             # take all of the cost.
-            spent += not (fall * iterations > before > 0.0)
+            spent += not (fall * iterations > higher > 0.0)
             damping = max(0.1 * taken.damping, 1e-7)
             # Columns are exact enough for a chord step (Ortega, Rheinboldt 1970, section 7.1).
             is_near = self._squared_change(at, measured) < SAME * settled / SETTLED
@@ -215,6 +214,8 @@ class ModeSearch:
 
     def _squared_change(self, at: Fitted, before: Fitted) -> float:
         """Whitened square of the difference of what two fits leave, and so predict."""
+        if at is before:
+            return 0.0
         return self._whitening.square(
             [a - b for a, b in zip(at.residual, before.residual, strict=True)]
         )

@@ -42,20 +42,21 @@ def encoder_counts(case: Case) -> EncoderCounts | None:
         return None
     with _every_output(case.twin) as twin:
         runs = _Runs(twin, _most_moving(case))
-        counts = runs.counts()
-        if not counts:
+        if not runs.counts:
             return None
         values, without = dict[str, float](), set[str]()
         for one in changeable(case.twin, (), also_certain=True):
-            power = runs.power(one, counts)
-            if power == 0 or not (fine := runs.without({one.name: _times(twin, one, power)})):
+            power = runs.power(one)
+            if power == 0:
                 continue
-            values[one.name] = _times(twin, one, power)
-            without |= fine
+            finer = {one.name: _times(twin, one, power)}
+            if fine := runs.without(finer):
+                values |= finer
+                without |= fine
     if not values or not all(run.finite for run in case.simulations.run([Point(values)])[0]):
         return None
     signal = case.rig.position
-    return EncoderCounts(values, counts[signal] if signal in without else 0.0)
+    return EncoderCounts(values, runs.counts[signal] if signal in without else 0.0)
 
 
 def _every_output(twin: FmuTwin) -> FmuTwin:
@@ -87,31 +88,26 @@ def _times(twin: FmuTwin, one: Uncertain, power: int) -> float:
 
 
 class _Runs:
-    """Runs of one recording by a twin whose outputs are all read."""
+    """Runs of one recording by a twin whose outputs are all read.
+
+    Attributes
+    ----------
+    counts : dict of str to float
+        [SI unit] Quantum of each output that has one, as the twin is.
+    """
 
     def __init__(self, twin: FmuTwin, recording: Recording) -> None:
         self._twin, self._recording = twin, recording
         self._before = self._columns({})
+        self.counts = _quanta(self._before)
 
-    def counts(self) -> dict[str, float]:
-        """[SI unit] Quantum of each output that has one, as the twin is."""
-        return _quanta(self._before)
-
-    def power(self, one: Uncertain, counts: Mapping[str, float]) -> int:
-        """Power of a parameter, 1 or -1, in the counts of an output; 0 of others.
-
-        Parameters
-        ----------
-        one : Uncertain
-            The parameter.
-        counts : mapping of str to float
-            [SI unit] As the twin is.
-        """
+    def power(self, one: Uncertain) -> int:
+        """Power of a parameter, 1 or -1, in the counts of an output; 0 of others."""
         value = slightly_changed(one)
         columns = self._columns({one.name: value})
-        after = _quanta({name: columns[name] for name in counts if name in columns})
+        after = _quanta({name: columns[name] for name in self.counts if name in columns})
         for name, quantum in after.items():
-            power = np.log(quantum / counts[name]) / np.log(value / one.nominal)
+            power = np.log(quantum / self.counts[name]) / np.log(value / one.nominal)
             if abs(abs(power) - 1.0) <= _UNLIKE:
                 return round(float(power))
         return 0
@@ -119,11 +115,10 @@ class _Runs:
     def without(self, values: Mapping[str, float]) -> set[str]:
         """Outputs that count no more at these values, of an axis that is what it was."""
         found, fine = set[str](), self._columns(values)
-        for name, before in self._before.items():
-            quantum = resolution(before)
-            if quantum == 0.0 or name not in fine:
+        for name, quantum in self.counts.items():
+            if name not in fine:
                 continue
-            moved = float(np.sqrt(np.mean((fine[name] - before) ** 2)))
+            moved = float(np.sqrt(np.mean((fine[name] - self._before[name]) ** 2)))
             if resolution(fine[name]) * _FEWEST < quantum and moved < quantum:
                 found.add(name)
         return found

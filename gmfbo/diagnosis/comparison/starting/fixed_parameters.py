@@ -17,10 +17,8 @@ from gmfbo.sources.twin.uncertain import Uncertain
 _RANGE = 4.0
 """Times the value of a freed parameter, either way: three standard deviations and a half."""
 
-SMALL_CHANGE = 1.05
-"""Times the value of a parameter, that any model of an axis stands."""
-
 _MOST = 20
+_SMALL_CHANGE = 1.05  # times the value of a parameter, that any model of an axis stands
 
 _NO_PHYSICS = frozenset({"initial", "init", "start", "seed", "step", "sample", "period"})
 """Words of a name that belong to the simulation, or to one run, and not to the axis."""
@@ -81,8 +79,8 @@ def changeable(
 
 def slightly_changed(one: Uncertain) -> float:
     """[FMU's unit] A twentieth more than a parameter's value, or less where its FMU has no room."""
-    more = one.nominal * SMALL_CHANGE
-    return more if one.low <= more <= one.high else one.nominal / SMALL_CHANGE
+    more = one.nominal * _SMALL_CHANGE
+    return more if one.low <= more <= one.high else one.nominal / _SMALL_CHANGE
 
 
 def _words(name: str) -> list[str]:
