@@ -9,8 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.fitted_starts import told_starts
 from gmfbo.diagnosis.case.wider_ranges import stated_ranges
@@ -263,16 +261,13 @@ class Conclusion:
 
     @property
     def _are_elsewhere(self) -> bool:
-        """Whether the refitted values are told from those that came, by how values change signals.
+        """Whether the refitted values lie elsewhere by more than their intervals are wide.
 
-        A twin that counts is shuffled by any change, and squares fall by chance.
+        Where the remainder is more than noise, as of a twin that counts, squares fall by chance.
         """
-        compared = self.decision.compared
-        row, whitening = compared.ledger.rows[frozenset()], compared.ledger.whitening
-        came = coordinates_of(row.priors, row.hypothesis.start({}))
-        moved = row.u - inside(row.priors, came)
-        change = [np.tensordot(moved, own[: moved.size], 1) for own in row.columns]
-        return whitening.square(change) > TOLD_APART
+        part = self.result.part
+        came = coordinates_of(part.fitted.priors, part.fitted.hypothesis.start({}))
+        return part.squares_from(inside(part.fitted.priors, came)) > TOLD_APART
 
     @property
     def _sufficiency(self) -> Sufficiency:

@@ -94,6 +94,25 @@ class Part:
         )
         return np.abs(slope) * half / 1.96, low_x, high_x
 
+    def squares_from(self, values: Array) -> float:
+        """Squared distance of the free quantities from other values, in deviations.
+
+        As wide as the intervals before the step of the simulation is allowed for; correlated as the
+        parabola says.
+
+        Parameters
+        ----------
+        values : ndarray, shape (p,)
+            In the coordinates of the priors.
+        """
+        fitted, p = self.fitted, self.fitted.u.size
+        inner = grams(self.problem, fitted.beside_own_parts(self.whitening), fitted)
+        covariance = _covariance(fitted, inner)
+        narrow = 1.96 * np.sqrt(np.diag(covariance))
+        low, high = self._within(inner)
+        moved = (fitted.u - values) * 2.0 * narrow / (high - low)
+        return float(moved @ np.linalg.solve(covariance, moved)) if p else 0.0
+
     def _within(self, inner: Grams) -> tuple[Array, Array]:
         """Ends of 95 % of the mixture of all modes, in the coordinates of the priors."""
         halves = [_half_of(self.fitted, inner)]
@@ -133,11 +152,17 @@ class Part:
         return np.asarray(2.0 * np.linalg.solve(curvature, slope), dtype=np.float64)
 
 
+def _covariance(fitted: Fitted, inner: Grams) -> Array:
+    """Of the posterior's parabola, of the free quantities alone, shape (p, p)."""
+    p = fitted.u.size
+    a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
+    return np.asarray(np.linalg.inv(a)[:p, :p], dtype=np.float64)
+
+
 def _half_of(fitted: Fitted, inner: Grams) -> Array:
     """Half widths of a fit's own intervals, in the coordinates of its priors, shape (p,)."""
     p = fitted.u.size
-    a = inner.matrices.sum(0) + np.diag(fitted.curvatures)
-    half = 1.96 * np.sqrt(np.diag(np.linalg.inv(a)))[:p]
+    half = 1.96 * np.sqrt(np.diag(_covariance(fitted, inner)))
     if len(inner.squares) >= LEAST_STRETCHES:
         moves = tilted_parabola(fitted, inner, weightings(len(inner.squares)))[0][:, :p]
         ends = np.quantile(np.abs(moves - moves.mean(0)), 0.95, axis=0)
