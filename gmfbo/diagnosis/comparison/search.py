@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import factorial, log
@@ -20,6 +20,7 @@ from gmfbo.diagnosis.comparison.inadequacy import BesideInadequacy, with_inadequ
 from gmfbo.diagnosis.comparison.ledger import Ledger, Scored
 from gmfbo.diagnosis.comparison.modes.posterior_mode import ModeSearch
 from gmfbo.diagnosis.comparison.moves import Element, Move, Response, ranked, responses
+from gmfbo.diagnosis.comparison.next_moves import plans_of
 from gmfbo.diagnosis.comparison.numbers import (
     FIXED_SHARE,
     LEAST_GAIN,
@@ -30,12 +31,10 @@ from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.row_fits import (
     RowFits,
-    begun_as_larger,
     beyond_noise,
     chi,
     cost,
     is_more_than_noise,
-    limit_of,
     limits_in,
     log_likelihood,
     under_own_noise,
@@ -45,7 +44,7 @@ from gmfbo.physics import CATALOGUE
 
 Array = NDArray[np.float64]
 
-_FIRST_FITS, _LATER_FITS, _FREED_FITS, _QUIET_FITS = 6, 3, 4, 3
+_FIRST_FITS, _FREED_FITS, _QUIET_FITS = 6, 4, 3
 _ANYWAY = 2  # first fits of the moves that gain most, however little that is
 _MUCH = 3.0  # times the level about which nobody cares
 _WITHOUT = 4  # points of a fit without one of the best elements: most are far worse
@@ -134,7 +133,7 @@ class Search:
             before, ahead = scored.best, scored.ahead - seen
             seen |= ahead
             ledger = self._with_fewer(ledger, before)
-            plans = self._next(ledger, scored, found, ahead)
+            plans = plans_of(ledger, scored, found, ahead, self.log)
             if not plans:
                 break
             best = ledger.rows[before]
@@ -178,69 +177,6 @@ class Search:
         best = ledger.rows[scored.best]
         beyond = beyond_noise(best, self.noise.quiet(best, ledger))
         return is_more_than_noise(beyond, values_in(best))
-
-    def _next(
-        self,
-        ledger: Ledger,
-        scored: Scored,
-        found: Sequence[Response],
-        ahead: Collection[frozenset[str]],
-    ) -> list[tuple[Fitted, list[Move]]]:
-        """Moves from rows ahead: one element more; of the best one, one in another's place too."""
-        best = ledger.rows[scored.best]
-        plans = []
-        origins = [ledger.rows[e] for e in ahead if len(e) < len(PRIOR_OF_COUNT) - 1]
-        if best.elements in ahead:
-            fewer = [ledger.rows.get(best.elements - {name}) for name in best.elements]
-            origins += [row for row in fewer if row is not None and row.elements]
-        for about in origins:
-            moves = ranked(ledger.whitening, about, found)
-            self.log(
-                f"beside {sorted(about.elements)}: "
-                + ", ".join(f"{m.element.name} {m.gain:.1f}" for m in moves[:6])
-            )
-            fitting = [m for m in moves if not _one_holds_the_other(m.element.name, about.elements)]
-            chosen = [m for m in fitting if m.gain > LEAST_GAIN][:_LATER_FITS]
-            # A law that was found is tried as its limit as well.
-            limits = {n for e in best.elements if e in CATALOGUE for n in CATALOGUE[e].contains}
-            chosen += [m for m in fitting if m.element.name in limits and m not in chosen]
-            chosen = [m for m in chosen if about.elements | {m.element.name} not in ledger.rows]
-            if about.elements not in ahead:
-                chosen = [self._as_fitted_alone(ledger, m) for m in chosen]
-            if chosen:
-                plans.append((about, chosen))
-        return plans + (self._larger(ledger, best, found) if best.elements in ahead else [])
-
-    def _larger(
-        self, ledger: Ledger, best: Fitted, found: Sequence[Response]
-    ) -> list[tuple[Fitted, list[Move]]]:
-        """Laws in the place of a limit of theirs, where they gain beside it, and limits of laws.
-
-        Those that were fitted under other levels, and now leave more than their limit, count as
-        not fitted.
-        """
-        left, plans = chi(best, ledger.whitening), []
-        moves = [m for m in ranked(ledger.whitening, best, found) if m.gain > LEAST_GAIN]
-        for name in best.elements:
-            about = ledger.rows.get(best.elements - {name})
-            if about is None:
-                continue
-            chosen = []
-            for move in moves:
-                row = ledger.rows.get(about.elements | {move.element.name})
-                stale = row is None or chi(row, ledger.whitening) > left
-                if stale and limit_of(move.element, about, {best.elements: best}) is best:
-                    chosen.append(move)
-            if chosen:
-                plans.append((about, chosen[:_LATER_FITS]))
-        return plans + begun_as_larger(ledger, best)
-
-    def _as_fitted_alone(self, ledger: Ledger, move: Move) -> Move:
-        """The move from where its effect alone fits best, where that is known."""
-        row = ledger.rows.get(frozenset({move.element.name}))
-        if row is None or not row.hypothesis.effects:
-            return move
-        return replace(move, element=replace(move.element, candidate=row.hypothesis.effects[0]))
 
     def _with_fewer(self, ledger: Ledger, elements: frozenset[str]) -> Ledger:
         """Rows that lack one element of a row, those that were not fitted before too."""
@@ -338,12 +274,23 @@ class Search:
         """Row of the largest evidence, each under the inadequacy that it leaves itself."""
         most, leading = -np.inf, frozenset[str]()
         for elements in self._unbeaten(ledger):
-            own = self.noise.alone(ledger.rows[elements], ledger)
-            alone = BesideInadequacy(self.problem)
-            value = float(self.scored(own, weighted=False, beside=alone).log_evidences.mean())
+            value = self.evidence_alone(ledger.rows[elements], ledger)
             if value > most:
                 most, leading = value, elements
         return leading
+
+    def evidence_alone(self, row: Fitted, ledger: Ledger) -> float:
+        """[nats] Log evidence of a row under the inadequacy that it leaves itself.
+
+        Parameters
+        ----------
+        row : Fitted
+            Any fit under the ledger's noise.
+        ledger : Ledger
+            With its levels of noise.
+        """
+        own, alone = self.noise.alone(row, ledger), BesideInadequacy(self.problem)
+        return float(self.scored(own, weighted=False, beside=alone).log_evidences.mean())
 
     def _unbeaten(self, ledger: Ledger) -> list[frozenset[str]]:
         """Best rows that no better one also beats by noise alone: others lead under no levels."""
@@ -389,12 +336,3 @@ class Search:
             else:
                 total += log((1.0 - (FIXED_SHARE if fixed else 0.0)) / effects)
         return total
-
-
-def _one_holds_the_other(name: str, elements: frozenset[str]) -> bool:
-    """Whether an element is a limit of one in a row, or holds one."""
-    own = CATALOGUE[name].contains if name in CATALOGUE else ()
-    return any(
-        other in own or (other in CATALOGUE and name in CATALOGUE[other].contains)
-        for other in elements
-    )
