@@ -26,7 +26,7 @@ from gmfbo.physics import CATALOGUE, Effect, Excitation
 
 Array = NDArray[np.float64]
 
-_MOST_SETS = 10_000  # of one size that are looked at: a tenth of a second
+_MOST_SETS = 10_000  # of one size that are looked at: all sizes take a second or two
 
 
 @dataclass(frozen=True)
@@ -194,10 +194,11 @@ _Left = Sequence[tuple[set[str], float, Mapping[str, float]]]
 def _smallest(left: _Left) -> dict[str, float]:
     """The fewest elements that meet what is believed, each with what it adds, the most first.
 
-    Of sets as small the likeliest whose members stand for each other: a row that holds two of them
-    counts against it. One that takes the likeliest element first may be larger: two laws of which
-    one is in every row may both be less likely than a third that is in most. Where nothing is
-    believed enough to be told, or there are too many sets, that one is taken.
+    Rows with two of them have 5 % of belief at most: else they would not stand for each other. Of
+    sets as small the likeliest is taken. One that takes the likeliest element first may be larger:
+    two laws of which one is in every row may both be less likely than a third that is in most.
+    Where all sets have laws that go together, the smallest of them is taken; where nothing is
+    believed enough to be told, or there are too many sets, the likeliest elements.
     """
     names = sorted({name for own, _, _ in left for name in own})
     masses = np.array(
@@ -208,23 +209,38 @@ def _smallest(left: _Left) -> dict[str, float]:
     )
     there = float(masses.max(1).sum())
     found = _greedy(masses, NAMED * there)
-    if there >= NAMED:
-        likely = _not_less_everywhere(masses)
-        for count in range(1, len(found) + 1):
-            among = list(range(len(names)))
-            if comb(len(among), count) > _MOST_SETS:
-                among = likely
-            if comb(len(among), count) > _MOST_SETS:
-                break
-            sets = [list(one) for one in combinations(among, count)]
-            met = np.array([masses[:, one].max(1).sum() for one in sets])
-            if met.max(initial=0.0) >= NAMED * there:
-                twice = np.array([masses[:, one].sum() for one in sets]) - met
-                chosen = int(np.argmax(np.where(met >= NAMED * there, met - twice, -np.inf)))
-                best = sets[chosen]
-                adds = _greedy(masses[:, best], float(met[chosen]) * (1.0 - 1e-12))
-                return {names[best[k]]: mass for k, mass in adds.items()}
+    best = _set_of(masses, there, len(found)) if there >= NAMED else None
+    if best is not None:
+        met = float(masses[:, best].max(1).sum())
+        adds = _greedy(masses[:, best], met * (1.0 - 1e-12))
+        found = {best[k]: mass for k, mass in adds.items()}
     return {names[k]: mass for k, mass in found.items()}
+
+
+def _set_of(masses: Array, there: float, enough: int) -> list[int] | None:
+    """Columns of the smallest set of which hardly any row has two, or else of the smallest."""
+    likely, smallest, sure = _not_less_everywhere(masses), None, False
+    for count in range(1, masses.shape[1] + 1):
+        among = list(range(masses.shape[1]))
+        if comb(len(among), count) > _MOST_SETS:
+            among = likely
+        if comb(len(among), count) > _MOST_SETS or (count > enough and count > len(likely)):
+            break
+        sets = [list(one) for one in combinations(among, count)]
+        met = np.array([masses[:, one].max(1).sum() for one in sets])
+        twice = np.array([masses[:, one].sum() for one in sets]) - met
+        is_met = met >= NAMED * there
+        if not is_met.any():
+            continue
+        if smallest is None:
+            first = int(np.argmax(np.where(is_met, met - twice, -np.inf)))
+            smallest, sure = sets[first], bool(met[first] >= NAMED)
+        is_apart = is_met & (twice <= (1.0 - NAMED) * there)
+        if sure:  # else one that may be told would give way to one that may not
+            is_apart &= met >= NAMED
+        if is_apart.any():
+            return sets[int(np.argmax(np.where(is_apart, met - twice, -np.inf)))]
+    return smallest
 
 
 def _not_less_everywhere(masses: Array) -> list[int]:
