@@ -16,17 +16,18 @@ from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
     DOUBTED,
+    MOST,
     NAMED,
     UNLIKE,
     named_log_odds,
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
-from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, unknown_beside
 from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round, WrongValue
+from gmfbo.diagnosis.naming.row_to_hold import effects_of, held_by, model_row
 from gmfbo.diagnosis.naming.stretch_evidence import acting_of, gains_of, per_recording, seen_once
 from gmfbo.diagnosis.naming.worth import as_told
 from gmfbo.diagnosis.result.certainty import LEAST_FOR_A_FACT
@@ -74,14 +75,15 @@ def decide(
     compared = Compared(comparison.search, ledger, scored)
     shares = _shares(compared)
     unknown = unknown_beside(compared.search, ledger, scored)
-    said, notes = _beside(_believed(scored, shares), unknown)
+    above = {e: own.above for e, own in shares.items()}
+    said, notes = _beside(compared, _believed(scored, shares), unknown, above)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
-    row = _model(compared, said, {e: own.above for e, own in shares.items()})
-    held_by_row = [one for one in _held(said, row.elements) if one[1]]
+    row = model_row(compared, said, above)
+    held_by_row = [one for one in held_by(said, row.elements) if one[1]]
     model = measured(case.misfit, row)
     most = LEAST_FOR_A_FACT if unknown is not None else 1.0
-    named = [one for one in held_by_row if _effects(one[0])]
+    named = [one for one in held_by_row if effects_of(one[0])]
     rounds = [
         _round(case, compared, row, model, *one, min(most, _most_of(one[0], silent)))
         for one in named
@@ -140,11 +142,24 @@ def _most_of(claim: Claim, silent: Collection[str]) -> float:
     return DOUBTED if set(claim.members) & set(silent) else 1.0
 
 
-def _beside(said: Sequence[Claim], unknown: Unknown | None) -> tuple[list[Claim], list[str]]:
-    """Claims that add something beside what is unknown, and why the others are not told."""
+def _beside(
+    compared: Compared,
+    said: Sequence[Claim],
+    unknown: Unknown | None,
+    above: Mapping[frozenset[str], Mapping[str, float]],
+) -> tuple[list[Claim], list[str]]:
+    """Claims that stand beside what is unknown, and why the others are not told.
+
+    They add something to it, or explain most of what there is to explain: a free function can be
+    any law over its state, and one that is mostly friction is friction and something else.
+    """
     if unknown is None:
         return list(said), []
-    kept = [claim for claim in said if unknown.beside & _holding(claim)]
+    kept = [
+        claim
+        for claim in said
+        if unknown.beside & _holding(claim) or _own_share(compared, claim, said, above) > MOST
+    ]
     place = f"a function of the {words(unknown.against)} at the {words(unknown.port)} port"
     notes = [
         f"{' or '.join(map(words, claim.members))} is not named: {place}, which is no law that is "
@@ -153,6 +168,20 @@ def _beside(said: Sequence[Claim], unknown: Unknown | None) -> tuple[list[Claim]
         if claim not in kept
     ]
     return kept, notes
+
+
+def _own_share(
+    compared: Compared,
+    claim: Claim,
+    said: Sequence[Claim],
+    above: Mapping[frozenset[str], Mapping[str, float]],
+) -> float:
+    """What a claim explains beside the others, of what the refitted twin leaves beyond noise."""
+    base, noise = compared.ledger.rows[frozenset()], compared.search.noise
+    others = [one for one in said if one is not claim]
+    rows = (model_row(compared, claims, above) for claims in (said, others))
+    whole, without = (noise.share(base, row, compared.ledger) or 0.0 for row in rows)
+    return whole - max(without, 0.0)
 
 
 def _holding(claim: Claim) -> set[str]:
@@ -200,73 +229,6 @@ def _shares(compared: Compared) -> dict[frozenset[str], Shares]:
                 row, grams(compared.search.problem, whitening, row)
             )
     return shares
-
-
-def _effects(claim: Claim) -> list[str]:
-    return [name for name in claim.members if not name.startswith("parameter:")]
-
-
-def _stand_ins(claim: Claim) -> list[str]:
-    """Those of a set that a model may hold for it: its effects, or where it has none, all."""
-    return _effects(claim) or list(claim.members)
-
-
-def _held(said: Sequence[Claim], elements: frozenset[str]) -> list[tuple[Claim, str]]:
-    """Each claim with the most believed of its set that a model holds; "" where it holds none."""
-    held: list[tuple[Claim, str]] = []
-    for claim in said:
-        left = elements - {name for _, name in held}
-        held.append((claim, next((name for name in _stand_ins(claim) if name in left), "")))
-    return held
-
-
-def _model(
-    compared: Compared,
-    said: Sequence[Claim],
-    above: Mapping[frozenset[str], Mapping[str, float]],
-) -> Row:
-    """The mode of the row that a model holds."""
-    scored, ledger = compared.scored, compared.ledger
-    fits = RowFits(compared.search.problem, ledger.noise_of)
-    order = [scored.elements[i] for i in np.argsort(-scored.log_evidences.mean(1))]
-    chosen = row_to_hold(order, said, above)
-    row = ledger.rows[scored.best if chosen is None else chosen]
-    return fits.to_the_end(ledger.whitening, row)
-
-
-def row_to_hold(
-    order: Sequence[frozenset[str]],
-    said: Sequence[Claim],
-    above: Mapping[frozenset[str], Mapping[str, float]],
-) -> frozenset[str] | None:
-    """The most believed row with one of each set, and nothing else; None where none has them all.
-
-    Which one of a set fits best depends on the others. Where no such row was fitted, what else it
-    holds changes nothing in these recordings; but a limit just above them would act in larger ones.
-
-    Parameters
-    ----------
-    order : sequence of frozenset of str
-        Rows, the most believed first.
-    said : sequence of Claim
-        What is told.
-    above : mapping of frozenset of str to mapping of str to float
-        Probability, by row and element, that a size is above its floor.
-    """
-    told = {row: {name for _, name in _held(said, row)} for row in order}
-    holding = [row for row in order if "" not in told[row]]
-    alone = [row for row in holding if row == told[row]]
-    still = [
-        row
-        for row in holding
-        if not any(_is_there(name, above.get(row, {})) for name in row - told[row])
-    ]
-    return next(iter((*alone, *still, *holding)), None)
-
-
-def _is_there(name: str, shares: Mapping[str, float]) -> bool:
-    """Whether an element changes a model: a law above its floor, or any freed parameter."""
-    return name.startswith("parameter:") or shares.get(name, 1.0) >= NAMED
 
 
 def _round(

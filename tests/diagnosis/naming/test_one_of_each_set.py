@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gmfbo.diagnosis.comparison.claims import Claim
-from gmfbo.diagnosis.naming.decided_by_score import _held, row_to_hold
+from gmfbo.diagnosis.naming.row_to_hold import held_by, row_to_hold
 
 COGGING = Claim(("cogging_torque",), (1.0,))
 PRESLIDING = Claim(("presliding_friction", "hysteresis"), (0.6, 0.4))
@@ -38,12 +38,12 @@ COGGING_ALONE = frozenset({"cogging_torque"})
 def test_the_most_believed_of_a_set_that_a_row_holds_stands_for_it(
     said: tuple[Claim, ...], elements: str, held: str
 ) -> None:
-    found = _held(said, frozenset(elements.split()))
+    found = held_by(said, frozenset(elements.split()))
     assert [name for _, name in found] == held.split()
 
 
 def test_a_law_stands_for_one_set_only() -> None:
-    found = _held((PRESLIDING, OVERLAPPING), frozenset({"presliding_friction", "cogging_torque"}))
+    found = held_by((PRESLIDING, OVERLAPPING), frozenset({"presliding_friction", "cogging_torque"}))
     assert [name for _, name in found] == ["presliding_friction", ""]
 
 
