@@ -13,6 +13,11 @@ import numpy as np
 from gmfbo.diagnosis.case.case import Case, times_noise
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
 from gmfbo.diagnosis.case.wider_ranges import wider_ranges
+from gmfbo.diagnosis.checking.between_rows import (
+    driven_as_likelier,
+    note_of_straight,
+    straight_inputs,
+)
 from gmfbo.diagnosis.checking.consistent_recordings import consistent
 from gmfbo.diagnosis.checking.shown_gains import find_shown_gain
 from gmfbo.diagnosis.diagnosis import Diagnosis
@@ -143,9 +148,13 @@ def _cases(
     gain = find_shown_gain(twin, recordings, seed=seed, jobs=jobs)
     if gain is not None:
         recordings, unseen = gain.put_in(recordings), gain.put_in(unseen)
-    case = _with_ranges_that_hold(
-        _aligned_case(twin, recordings, seed, jobs), recordings, seed, jobs
+    case = driven_as_likelier(
+        _aligned_case(twin, recordings, seed, jobs),
+        recordings,
+        lambda other: _aligned_case(other, recordings, seed, jobs),
     )
+    case = _with_ranges_that_hold(case, recordings, seed, jobs)
+    case.notes.extend(note_of_straight(straight_inputs(case.twin, twin)))
     closing.callback(case.simulations.close)
     case.notes.extend(dict.fromkeys((*given.notes, *held_out.notes)))
     case.notes.extend(

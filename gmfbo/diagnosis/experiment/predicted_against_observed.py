@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.open_case import open_case
+from gmfbo.diagnosis.checking.two_readings import straight
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.explained_twin import check_known, points_of, saved_predictions
 from gmfbo.diagnosis.experiment.menu_runs import playing
@@ -80,7 +81,8 @@ def _opened(
     twin: FmuTwin, told: Predictions, recording: Recording, seed: int, jobs: int | None
 ) -> Case:
     """A case in which nothing is uncertain, so that nothing is refitted."""
-    fixed = twin.with_uncertain({})
+    known = [name for name in told.straight if name in twin.file.inputs]
+    fixed = straight(twin, known).with_uncertain({})
     rows = None if recording.written_by else frozenset(told.new_rows)
     return open_case(fixed, [recording], seed=seed, jobs=jobs, new_rows=rows)
 

@@ -47,6 +47,7 @@ def predictions_of(case: Case, decision: Decision, augmented: Fitted, units: Uni
         noise={name: level.total for name, level in case.noise.items()},
         spans=_spans(case, units),
         new_rows=tuple(sorted(case.simulations.new_rows)),
+        straight=tuple(n for n, e in case.twin.file.inputs.items() if e.interpolation == "linear"),
     )
 
 

@@ -74,6 +74,8 @@ class Predictions:
         Ranges of position, velocity, command, current, load and torque.
     new_rows : tuple of str
         Signals of which the logger stores the value just computed.
+    straight : tuple of str
+        Inputs that were driven straight from row to row.
     """
 
     explanations: tuple[Explanation, ...]
@@ -81,3 +83,4 @@ class Predictions:
     noise: Mapping[str, float]
     spans: Mapping[str, Span]
     new_rows: tuple[str, ...]
+    straight: tuple[str, ...] = ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import sys
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,3 +63,20 @@ def master_path() -> Path | None:
     here = this_platform()
     path = models_folder() / "master" / here.name / f"gmfbo_master{here.suffix}"
     return path if path.is_file() else None
+
+
+def warn_without_master(stacklevel: int) -> None:
+    """Warn where the project builds no C master for this machine.
+
+    Parameters
+    ----------
+    stacklevel : int
+        As of `warnings.warn`, counted from the caller.
+    """
+    if master_path() is None:
+        warnings.warn(
+            f"no C master for {this_platform().name}: FMUs are stepped in Python, about four "
+            "times slower",
+            RuntimeWarning,
+            stacklevel=stacklevel + 1,
+        )

@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from gmfbo.sources.binding.binding import Binding
 from gmfbo.sources.binding.content_hash import content_hash
 from gmfbo.sources.binding.fixed_step import fixed_step_advice
 from gmfbo.sources.fmu_file.job import Outcome
+from gmfbo.sources.fmu_file.platforms import warn_without_master
 from gmfbo.sources.twin.driven_ports import twin_file_at, with_driven_ports
 from gmfbo.sources.twin.from_rest import run_from_rest
 from gmfbo.sources.twin.kept_workers import KeptWorkers
@@ -118,7 +119,7 @@ class FmuTwin:
                 f"'{once[0]}' can be instantiated only once in the life of a process; expected "
                 "isolated = True, which gives each run a process of its own"
             )
-        _warn_without_master()
+        warn_without_master(stacklevel=2)
 
     @property
     def path(self) -> Path:
@@ -348,7 +349,8 @@ class FmuTwin:
     def __reduce__(self) -> tuple[Callable[[], FmuTwin], tuple[()]]:
         """Pickle the arguments only: a copy in another process opens a worker of its own."""
         opened = partial(
-            FmuTwin,
+            _opened_again,
+            self.file,
             self._path.resolve(),
             parameters={**self._parameters, **self._texts},
             isolated=self._isolated,
@@ -388,13 +390,7 @@ class FmuTwin:
             )
 
 
-def _warn_without_master() -> None:
-    from gmfbo.sources.fmu_file.platforms import master_path, this_platform
-
-    if master_path() is None:
-        warnings.warn(
-            f"no C master for {this_platform().name}: FMUs are stepped in Python, about four "
-            "times slower",
-            RuntimeWarning,
-            stacklevel=3,
-        )
+def _opened_again(file: TwinFile, path: Path, **given: Any) -> FmuTwin:
+    """A twin in another process, under the twin file that it had and not the one on the disk."""
+    twin = FmuTwin(path, **given)
+    return twin if twin.file == file else twin.with_file(file)
