@@ -48,8 +48,16 @@ class SignalFit:
         By more than chance: of a twin that lacks nothing any refit changes its errors.
         """
         told = self.augmented if math.isfinite(self.augmented) else self.parameters_only
-        floor = self.noise_floor if math.isfinite(self.noise_floor) else 0.0
-        return told > self.nominal + _CHANCE * floor
+        return told > self.nominal + self._by_chance
+
+    @property
+    def is_worse_with_physics(self) -> bool:
+        """Whether the named physics meets this signal worse than refitted parameters alone."""
+        return self.augmented > self.parameters_only + self._by_chance
+
+    @property
+    def _by_chance(self) -> float:
+        return _CHANCE * self.noise_floor if math.isfinite(self.noise_floor) else 0.0
 
 
 @dataclass(frozen=True)

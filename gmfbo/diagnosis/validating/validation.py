@@ -63,7 +63,8 @@ class Validated:
         Whether held-out recordings contradict the named physics.
     gains_nothing : bool
         Whether they are met no better with it: it changes them, as much is left beyond noise as
-        without, and they do not contradict the twin without it.
+        without, and they do not contradict the twin without it; or all errors grow, and their log
+        density does not.
     squares : Squares
         What the held-out stretches leave.
     """
@@ -250,6 +251,9 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     preferred, apart = gains_on(nominal, seen.after), _distance(nominal, seen.after)
     is_liked_less = bool(apart > SAME and preferred.sum() < 0.0)
     is_worse = is_liked_less and all(one.is_worse for one in signals.values())
+    # Held-out rows may tell next to nothing, and their errors grow all the same.
+    only_worse = gains.sum() <= 0.0 and all(s.is_worse_with_physics for s in signals.values())
+    likes_neither = squares.gain_nothing and not contradicts_names(-gains, distance)
     table = Fit(
         told.split.names_fitted,
         told.split.names_held_out,
@@ -268,7 +272,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         told.misfit,
         part,
         contradicts_names(gains, distance),
-        distance > SAME and squares.gain_nothing and not contradicts_names(-gains, distance),
+        bool(only_worse) or (distance > SAME and likes_neither),
         squares,
     )
 
