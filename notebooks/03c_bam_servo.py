@@ -184,10 +184,11 @@ for law, (on_seen, on_unseen) in table.items():
 # Coulomb and Stribeck friction gain three per cent or four on unseen gains, friction in proportion
 # to the motor's torque a quarter. The authors found the same on 240 runs: their `m5` has 0.29 times
 # the motor's torque and next to no constant friction. So has the diagnosis: about half the load,
-# and less than 16 mN m without load. Its own values, fitted to position and duty of each recording
+# and less than 20 mN m without load (their `m4` has 9). Beside it a cogging "may be" missing: no
+# more than that, since unseen runs are met no better with it. Its own values, fitted to position and duty of each recording
 # beside parameters that differ from one to the next, gain a tenth of the position's error; the
 # duty's is larger than with other parameters alone. Which values in these intervals a fit ends at
-# changes with the engine: 0.45 to 0.54 times the load so far. Whether Coulomb friction alone could
+# changes with the engine: 0.42 to 0.54 times the load so far. Whether Coulomb friction alone could
 # do it hangs by less: engines before this one told the one law, or a set of both, by how a sum was
 # rounded.
 #
@@ -208,7 +209,7 @@ assert friction.probability > 0.5, "of its set it is the likeliest"
 assert diagnosis.remainder is not None
 assert diagnosis.remainder.share > 0.75
 assert abs(friction.parameters["coefficient"].value - 0.5) < 0.1
-assert friction.parameters["level"].high < 16e-3, "[N m]"
+assert friction.parameters["level"].high < 20e-3, "[N m]"
 
 simpler = min(table[law][1] for law in ("viscous", "coulomb_friction", "stribeck_friction"))
 assert 0.07 < simpler < 0.08, "as others have measured it"
