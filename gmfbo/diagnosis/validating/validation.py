@@ -62,9 +62,8 @@ class Validated:
     contradicts_names : bool
         Whether held-out recordings contradict the named physics.
     gains_nothing : bool
-        Whether they are met no better with it: it changes them, as much is left beyond noise as
-        without, and they do not contradict the twin without it; or all errors grow, and their log
-        density does not.
+        Whether they are met no better with it: as much is left beyond noise as without, and they do
+        not contradict the twin without it; or all errors grow, and the log density does not.
     squares : Squares
         What the held-out stretches leave.
     """
@@ -243,17 +242,15 @@ class _Told:
 def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
     case, augmented = told.case, told.augmented
     shown = augmented if seen.decision.row.elements else None
-    floors = noise_floors(seen.after, seen.ledger)
+    floors, gains = noise_floors(seen.after, seen.ledger), gains_on(seen.before, seen.after)
     signals = _table(case, told.scored, told.plain, shown, told.unnamed, floors)
     distance, nominal = _distance(seen.before, seen.after), seen.nominal(case.nominal)
-    squares, gains = seen.squares(), gains_on(seen.before, seen.after)
+    squares = seen.squares()
     removed = squares.removed if distance > SAME else None
     preferred, apart = gains_on(nominal, seen.after), _distance(nominal, seen.after)
-    is_liked_less = bool(apart > SAME and preferred.sum() < 0.0)
-    is_worse = is_liked_less and all(one.is_worse for one in signals.values())
-    # Held-out rows may tell next to nothing, and their errors grow all the same.
+    is_worse = apart > SAME and preferred.sum() < 0.0 and all(s.is_worse for s in signals.values())
     only_worse = gains.sum() <= 0.0 and all(s.is_worse_with_physics for s in signals.values())
-    likes_neither = squares.gain_nothing and not contradicts_names(-gains, distance)
+    is_no_better = squares.gain_nothing and not contradicts_names(-gains, distance)
     table = Fit(
         told.split.names_fitted,
         told.split.names_held_out,
@@ -261,7 +258,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         removed,
         None if shown is None else float(gains.sum()),
         None if shown is None else _error_of(gains),
-        contradicts_names(preferred, apart) or is_worse,
+        contradicts_names(preferred, apart) or bool(is_worse),
     )
     return Validated(
         table,
@@ -272,7 +269,7 @@ def _scored(told: _Told, part: Part, seen: _Seen) -> Validated:
         told.misfit,
         part,
         contradicts_names(gains, distance),
-        bool(only_worse) or (distance > SAME and likes_neither),
+        bool(only_worse) or (distance > SAME and is_no_better),
         squares,
     )
 
@@ -287,9 +284,8 @@ def contradicts_names(gains: NDArray[np.float64], distance: float) -> bool:
     distance : float
         Squared whitened distance of the two.
     """
-    if distance <= SAME:
-        return False
-    return bool(gains.sum() < -max(_STANDARD_ERRORS * _error_of(gains), _ONE_NAT))
+    least = -max(_STANDARD_ERRORS * _error_of(gains), _ONE_NAT)
+    return bool(distance > SAME and gains.sum() < least)
 
 
 def _error_of(gains: NDArray[np.float64]) -> float:
