@@ -217,7 +217,8 @@ def content(diagnosis: Diagnosis) -> dict[str, object]:
     text: dict[str, object] = json.loads(diagnosis.to_json())
     cost = text["cost"]
     assert isinstance(cost, dict)
-    cost.pop("seconds", None)
+    for name in ("seconds", "stages"):
+        cost.pop(name, None)
     return text
 
 

@@ -16,7 +16,6 @@ from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
     DOUBTED,
-    MOST,
     NAMED,
     UNLIKE,
     named_log_odds,
@@ -76,7 +75,7 @@ def decide(
     shares = _shares(compared)
     unknown = unknown_beside(compared.search, ledger, scored)
     above = {e: own.above for e, own in shares.items()}
-    said, notes = _beside(compared, _believed(scored, shares), unknown, above)
+    said, notes = _beside(_believed(scored, shares), unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
     row = model_row(compared, said, above)
@@ -142,24 +141,11 @@ def _most_of(claim: Claim, silent: Collection[str]) -> float:
     return DOUBTED if set(claim.members) & set(silent) else 1.0
 
 
-def _beside(
-    compared: Compared,
-    said: Sequence[Claim],
-    unknown: Unknown | None,
-    above: Mapping[frozenset[str], Mapping[str, float]],
-) -> tuple[list[Claim], list[str]]:
-    """Claims that stand beside what is unknown, and why the others are not told.
-
-    They add something to it, or explain most of what there is to explain: a free function can be
-    any law over its state, and one that is mostly friction is friction and something else.
-    """
+def _beside(said: Sequence[Claim], unknown: Unknown | None) -> tuple[list[Claim], list[str]]:
+    """Claims that add something beside what is unknown, and why the others are not told."""
     if unknown is None:
         return list(said), []
-    kept = [
-        claim
-        for claim in said
-        if unknown.beside & _holding(claim) or _own_share(compared, claim, said, above) > MOST
-    ]
+    kept = [claim for claim in said if unknown.beside & _holding(claim)]
     place = f"a function of the {words(unknown.against)} at the {words(unknown.port)} port"
     notes = [
         f"{' or '.join(map(words, claim.members))} is not named: {place}, which is no law that is "
@@ -168,20 +154,6 @@ def _beside(
         if claim not in kept
     ]
     return kept, notes
-
-
-def _own_share(
-    compared: Compared,
-    claim: Claim,
-    said: Sequence[Claim],
-    above: Mapping[frozenset[str], Mapping[str, float]],
-) -> float:
-    """What a claim explains beside the others, of what the refitted twin leaves beyond noise."""
-    base, noise = compared.ledger.rows[frozenset()], compared.search.noise
-    others = [one for one in said if one is not claim]
-    rows = (model_row(compared, claims, above) for claims in (said, others))
-    whole, without = (noise.share(base, row, compared.ledger) or 0.0 for row in rows)
-    return whole - max(without, 0.0)
 
 
 def _holding(claim: Claim) -> set[str]:
