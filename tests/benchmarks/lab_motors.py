@@ -11,7 +11,7 @@ FOLDER holds files of two public repositories under these names:
 
 Their columns are t [s], r [deg], y [deg/s or deg] and u [V]. The twin is `motor_bench.fmu` with the
 voltage as its current, so that 0.5 N m stand for a volt, and the back-EMF is viscous friction. What
-the motors lack is not known; a volt or two tenths of one is what they need to turn at all.
+these twins lack is not known.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from gmfbo import FmuTwin, Recording, diagnose, models_folder
+from tests.benchmarks.plain_rigs import WHERE
 
 SECONDS = 9.13  # of the longest recording
 TWIN = """name = "laboratory motor"
@@ -38,16 +39,7 @@ viscous = 0.2
 [uncertain]
 inertia = [0.002, 0.02]
 viscous = [{least}, 0.5]
-[ports]
-torque = "tau_load"
-command = "current"
-[states]
-position = "position"
-velocity = "velocity"
-current = "motor_current"
-[roles]
-inertia = "inertia"
-"""
+""" + WHERE.format(m="")
 RIGS = {
     "turning_one_way": ("velocity", 0.008, 0.05),
     "to_and_back": ("position", 0.008, 0.05),

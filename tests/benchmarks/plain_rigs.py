@@ -30,11 +30,12 @@ KP, KI, LIMIT = 0.05, 0.4, 1.0  # of the speed loop [A s/rad], [A/rad], [A]
 KP_POSITION, KD, PERIOD, MOST = 1.2, 0.08, 5e-3, 1.5  # of the other [A/rad], [A s/rad], [s], [A]
 LOAD, CONTACT, CONTACT_DAMPING = 0.004, 400.0, 0.02  # behind a gap [kg m2], [N m/rad], [N m s/rad]
 
-PLANT = """
+RANGES = """
 [uncertain]
 "{m}inertia" = [0.0025, 0.01]
 "{m}viscous" = [0.0, 0.08]
-[ports]
+"""
+WHERE = """[ports]
 torque = "{m}tau_load"
 command = "{m}current"
 [states]
@@ -44,6 +45,8 @@ current = "{m}motor_current"
 [roles]
 inertia = "{m}inertia"
 """
+"""Ports, states and roles of `motor_bench.fmu`, whose names begin with m."""
+PLANT = RANGES + WHERE
 OPEN = """name = "motor"
 fmu = "{models}/motor_bench.fmu"
 step = 1e-3

@@ -219,25 +219,22 @@ def _smallest(left: _Left) -> dict[str, float]:
 
 def _set_of(masses: Array, there: float, enough: int) -> list[int] | None:
     """Columns of the smallest set of which hardly any row has two, or else of the smallest."""
-    likely, smallest, sure = _not_less_everywhere(masses), None, False
-    for count in range(1, masses.shape[1] + 1):
+    likely, smallest, least = _not_less_everywhere(masses), None, NAMED * there
+    for count in range(1, max(enough, len(likely)) + 1):
         among = list(range(masses.shape[1]))
         if comb(len(among), count) > _MOST_SETS:
             among = likely
-        if comb(len(among), count) > _MOST_SETS or (count > enough and count > len(likely)):
+        if comb(len(among), count) > _MOST_SETS:
             break
         sets = [list(one) for one in combinations(among, count)]
         met = np.array([masses[:, one].max(1).sum() for one in sets])
         twice = np.array([masses[:, one].sum() for one in sets]) - met
-        is_met = met >= NAMED * there
-        if not is_met.any():
-            continue
-        if smallest is None:
-            first = int(np.argmax(np.where(is_met, met - twice, -np.inf)))
-            smallest, sure = sets[first], bool(met[first] >= NAMED)
-        is_apart = is_met & (twice <= (1.0 - NAMED) * there)
-        if sure:  # else one that may be told would give way to one that may not
-            is_apart &= met >= NAMED
+        if smallest is None and (met >= least).any():
+            first = int(np.argmax(np.where(met >= least, met - twice, -np.inf)))
+            smallest = sets[first]
+            if met[first] >= NAMED:
+                least = NAMED  # a set that may be told gives way to no other
+        is_apart = (met >= least) & (twice <= (1.0 - NAMED) * there)
         if is_apart.any():
             return sets[int(np.argmax(np.where(is_apart, met - twice, -np.inf)))]
     return smallest

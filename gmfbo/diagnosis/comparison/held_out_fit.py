@@ -30,6 +30,7 @@ from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.simulation_errors import errors_of
 from gmfbo.diagnosis.comparison.starting.other_modes import other_modes, shares_of
 from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.fitting.intervals import TWO_SIDED
 
 Array = NDArray[np.float64]
 
@@ -92,7 +93,7 @@ class Part:
         slope = np.array(
             [v if q.logarithmic else 1.0 for q, v in zip(fitted.priors, x, strict=True)]
         )
-        return np.abs(slope) * half / 1.96, low_x, high_x
+        return np.abs(slope) * half / TWO_SIDED, low_x, high_x
 
     def squares_from(self, values: Array) -> float:
         """Squared distance of the free quantities from other values, in deviations.
@@ -108,7 +109,7 @@ class Part:
         fitted, p = self.fitted, self.fitted.u.size
         inner = grams(self.problem, fitted.beside_own_parts(self.whitening), fitted)
         covariance = _covariance(fitted, inner)
-        narrow = 1.96 * np.sqrt(np.diag(covariance))
+        narrow = TWO_SIDED * np.sqrt(np.diag(covariance))
         low, high = self._within(inner)
         moved = (fitted.u - values) * 2.0 * narrow / (high - low)
         return float(moved @ np.linalg.solve(covariance, moved)) if p else 0.0
@@ -125,7 +126,7 @@ class Part:
         shares = shares_of(self.problem, self.whitening, modes)
         counts = np.round(shares * _DRAWN).astype(int)
         drawn = [
-            mode.u + half / 1.96 * norm.ppf((np.arange(count)[:, None] + 0.5) / count)
+            mode.u + half / TWO_SIDED * norm.ppf((np.arange(count)[:, None] + 0.5) / count)
             for mode, half, count in zip(modes, halves, counts, strict=True)
             if count
         ]
@@ -162,7 +163,7 @@ def _covariance(fitted: Fitted, inner: Grams) -> Array:
 def _half_of(fitted: Fitted, inner: Grams) -> Array:
     """Half widths of a fit's own intervals, in the coordinates of its priors, shape (p,)."""
     p = fitted.u.size
-    half = 1.96 * np.sqrt(np.diag(_covariance(fitted, inner)))
+    half = TWO_SIDED * np.sqrt(np.diag(_covariance(fitted, inner)))
     if len(inner.squares) >= LEAST_STRETCHES:
         moves = tilted_parabola(fitted, inner, weightings(len(inner.squares)))[0][:, :p]
         ends = np.quantile(np.abs(moves - moves.mean(0)), 0.95, axis=0)

@@ -50,7 +50,7 @@ def plans_of(
     limits = {n for e in best.elements if e in CATALOGUE for n in CATALOGUE[e].contains}
     origins = [ledger.rows[e] for e in ahead if len(e) < len(PRIOR_OF_COUNT) - 1]
     if best.elements in ahead:
-        origins += [row for row in _fewer(ledger, best).values() if row.elements not in ahead]
+        origins += [row for row in _fewer(ledger, best) if row.elements not in ahead]
     plans = []
     for about in origins:
         moves = ranked(ledger.whitening, about, found)
@@ -74,10 +74,10 @@ def plans_of(
     return plans + (_larger(ledger, best, found) if best.elements in ahead else [])
 
 
-def _fewer(ledger: Ledger, best: Fitted) -> dict[str, Fitted]:
-    """Rows that lack one element of the best one, by that element."""
-    rows = {name: ledger.rows.get(best.elements - {name}) for name in best.elements}
-    return {name: row for name, row in rows.items() if row is not None}
+def _fewer(ledger: Ledger, best: Fitted) -> list[Fitted]:
+    """Rows that lack one element of the best one."""
+    rows = (ledger.rows.get(best.elements - {name}) for name in best.elements)
+    return [row for row in rows if row is not None]
 
 
 def _stand_ins(ledger: Ledger, about: Fitted, best: Fitted, moves: Sequence[Move]) -> list[Move]:
@@ -108,10 +108,7 @@ def _larger(ledger: Ledger, best: Fitted, found: Sequence[Response]) -> Plans:
     """
     left, plans = chi(best, ledger.whitening), []
     moves = [m for m in ranked(ledger.whitening, best, found) if m.gain > LEAST_GAIN]
-    for name in best.elements:
-        about = ledger.rows.get(best.elements - {name})
-        if about is None:
-            continue
+    for about in _fewer(ledger, best):
         chosen = []
         for move in moves:
             row = ledger.rows.get(about.elements | {move.element.name})

@@ -284,10 +284,8 @@ class Search:
 
         Parameters
         ----------
-        row : Fitted
-            Any fit under the ledger's noise.
-        ledger : Ledger
-            With its levels of noise.
+        row, ledger
+            As of `FitNoise.alone`.
         """
         own, alone = self.noise.alone(row, ledger), BesideInadequacy(self.problem)
         return float(self.scored(own, weighted=False, beside=alone).log_evidences.mean())

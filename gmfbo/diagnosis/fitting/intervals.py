@@ -13,6 +13,9 @@ from gmfbo.diagnosis.fitting.range_ends import ends_reached
 from gmfbo.diagnosis.result.estimated import Combination, EstimatedParameter
 from gmfbo.sources.twin.twin import FmuTwin
 
+TWO_SIDED = 1.96
+"""Standard deviations to each side that hold 95 % of a normal distribution."""
+
 _SEEN = 0.15  # of a parameter's scale: a smaller standard deviation counts as identifiable
 _UNSEEN_DIRECTION = 1e-6  # of the largest squared singular value
 _UNEVEN = 0.1  # by which two powers of a combination may differ
@@ -116,7 +119,7 @@ def combinations_of(fitted: Fitted) -> tuple[Combination, ...]:
             inverse = np.linalg.pinv(matrix, rcond=10.0 * _UNSEEN_DIRECTION)
             ratio = np.zeros(len(uncertain))
             ratio[i], ratio[pivot] = 1.0, -1.0 if power > 0.0 else 1.0
-            half = 1.96 * value * float(np.sqrt(max(float(ratio @ inverse @ ratio), 0.0)))
+            half = TWO_SIDED * value * float(np.sqrt(max(float(ratio @ inverse @ ratio), 0.0)))
             found.append(Combination(expression, value, value - half, value + half))
     return tuple(found)
 

@@ -74,11 +74,10 @@ def decide(
     compared = Compared(comparison.search, ledger, scored)
     shares = _shares(compared)
     unknown = unknown_beside(compared.search, ledger, scored)
-    above = {e: own.above for e, own in shares.items()}
     said, notes = _beside(_believed(scored, shares), unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
-    row = model_row(compared, said, above)
+    row = model_row(compared, said, {e: own.above for e, own in shares.items()})
     held_by_row = [one for one in held_by(said, row.elements) if one[1]]
     model = measured(case.misfit, row)
     most = LEAST_FOR_A_FACT if unknown is not None else 1.0

@@ -16,6 +16,7 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.numbers import MOST
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.fitting.intervals import TWO_SIDED
 from gmfbo.diagnosis.fitting.linear_left_out import normal_equations, solve_weakly_bound
 from gmfbo.diagnosis.fitting.misfit import chi2
 from gmfbo.diagnosis.outside.state_features import (
@@ -34,7 +35,6 @@ Array = NDArray[np.float64]
 
 _BINS = 120  # of the drawn law: a point every five pixels of the chart
 _NEAREST = 9  # samples whose mean is the law at a knot: few, since a law may jump beside it
-_TWO_SIDED = 1.96  # 95 % of a normal distribution
 
 
 def inferred_beside_law(
@@ -146,7 +146,7 @@ def _left(
     excess = max(1.0, chi2(model.residual) / freedom)
     identity = np.eye(len(precision))
     covariance = excess * solve_weakly_bound(normal.matrix.sum(axis=0), identity, precision)
-    half = _TWO_SIDED * np.sqrt(np.diag(family.turn @ covariance @ family.turn.T))
+    half = TWO_SIDED * np.sqrt(np.diag(family.turn @ covariance @ family.turn.T))
     return family.turn @ normal.solution(), half
 
 

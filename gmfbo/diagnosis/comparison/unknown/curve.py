@@ -14,6 +14,7 @@ from gmfbo.diagnosis.comparison.priors import bounds_of
 from gmfbo.diagnosis.comparison.problem import Problem
 from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, played_without
 from gmfbo.diagnosis.comparison.whitener import Whitening
+from gmfbo.diagnosis.fitting.intervals import TWO_SIDED
 from gmfbo.diagnosis.runs.simulated import Simulated
 
 Array = NDArray[np.float64]
@@ -21,7 +22,6 @@ Array = NDArray[np.float64]
 _POINTS = 101  # of a drawn curve, at least
 _A_BUMP = 2.5  # points, of what is finer
 _HARDLY = 0.01  # of the rows of the middle bin: too few for a point
-_TWO_SIDED = 1.96  # 95 % of a normal distribution
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class FreeFunction:
                 continue
             shown = float(squares[held] @ y**2)
             spread = np.sqrt(np.maximum(np.sum((turn @ covariance) * turn, axis=1), 0.0))
-            nearest = DrawnFunction(f"{kind.against}{words}", x, y, _TWO_SIDED * spread)
+            nearest = DrawnFunction(f"{kind.against}{words}", x, y, TWO_SIDED * spread)
         return nearest
 
     def _along(self) -> Array:
