@@ -185,12 +185,12 @@ for law, (on_seen, on_unseen) in table.items():
 # to the motor's torque a quarter. The authors found the same on 240 runs: their `m5` has 0.29 times
 # the motor's torque and next to no constant friction. So has the diagnosis: about half the load,
 # and less than 20 mN m without load (their `m4` has 9). Beside it a cogging "may be" missing: no
-# more than that, since unseen runs are met no better with it. Its own values, fitted to position and duty of each recording
-# beside parameters that differ from one to the next, gain a tenth of the position's error; the
-# duty's is larger than with other parameters alone. Which values in these intervals a fit ends at
-# changes with the engine: 0.42 to 0.54 times the load so far. Whether Coulomb friction alone could
-# do it hangs by less: engines before this one told the one law, or a set of both, by how a sum was
-# rounded.
+# more than that, since unseen runs are met no better with it. Its own values, fitted to position
+# and duty of each recording beside parameters that differ from one to the next, gain a tenth of
+# the position's error; the duty's is larger than with other parameters alone. Which values in
+# these intervals a fit ends at changes with the engine: 0.42 to 0.54 times the load so far.
+# Whether Coulomb friction alone could do it hangs by less: engines before this one told the one
+# law, or a set of both, by how a sum was rounded.
 #
 # It is far from all: of what is more than noise, the law explains little. An encoder of
 # 4096 steps has little noise, and the twin is still a twentieth of the stroke off. The authors add
