@@ -13,7 +13,7 @@ import numpy as np
 from tests.blind.draft import NEEDS_REVERSALS, Draft, apply_decoy, draft_of
 from tests.blind.experiments import experiments_of, setting_of
 from tests.blind.hidden import EFFECTS, Changes, Rng, Setting
-from tests.blind.machines import MACHINES, Knowledge, twin_file
+from tests.blind.machines import MACHINES, Knowledge, Machine, twin_file
 from tests.blind.oracle import Oracle
 from tests.blind.outside import LAWS_OUTSIDE, NEAREST
 from tests.blind.plan import Plan
@@ -122,10 +122,20 @@ def make_case(plan: Plan, seed: int, index: int, folder: Path) -> Answer:
         details={
             **draft.notes,
             **draft.logger.told(),
+            **_wrong_fixed(machine, draft),
             "band": plan.band,
             "shapes": [one.shape for one in experiments],
         },
     )
+
+
+def _wrong_fixed(machine: Machine, draft: Draft) -> dict[str, Any]:
+    """A parameter that the twin holds fixed at another value than the plant's: no false name."""
+    for own, name in machine.fixed.items():
+        true, believed = draft.true.get(own), draft.believed.get(own)
+        if true is not None and believed is not None and true != believed:
+            return {"fixed": {"name": name, "true": true, "believed": believed}}
+    return {}
 
 
 @dataclass

@@ -81,6 +81,18 @@ def test_a_case_is_the_same_for_the_same_seed(tmp_path: Path) -> None:
     assert texts[0] != texts[2]
 
 
+def test_a_stressed_null_says_which_fixed_parameter_is_wrong(tmp_path: Path) -> None:
+    """A servo's current lag is off by some; with a lag that the twin doesn't have nothing is."""
+    answers = [
+        make_case(Plan("stressed_null", name, details=("torque_lag",)), 3, 0, tmp_path / name)
+        for name in ("servo", "bench")
+    ]
+    fixed = answers[0].details["fixed"]
+    assert (fixed["name"], fixed["believed"]) == ("torque_lag", 5e-4)
+    assert 0.8 <= fixed["true"] / fixed["believed"] <= 1.3
+    assert "fixed" not in answers[1].details
+
+
 def test_the_recordings_of_a_null_are_its_twin_within_noise(tmp_path: Path) -> None:
     """By the true parameters: the reading within its quantum and jitter, row by row."""
     folder = tmp_path / "000"
