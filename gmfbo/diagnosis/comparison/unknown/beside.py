@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from gmfbo.diagnosis.comparison.evidence import weightings
+from gmfbo.diagnosis.comparison.evidence import grams, log_evidences, weightings
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.inadequacy import (
     BesideInadequacy,
@@ -74,7 +74,8 @@ def unknown_beside(search: Search, ledger: Ledger, scored: Scored) -> Unknown | 
     """Tell what acts that no law holds; None where that is not believed.
 
     Each row of laws, and the same rows with a free function, stand under the noise that they
-    leave themselves. A law that adds nothing beside the function is not beside it.
+    leave themselves. A law that adds nothing beside the function is not beside it. Two laws may
+    leave little more than noise of what is none of them: they are asked, too.
 
     Parameters
     ----------
@@ -85,9 +86,10 @@ def unknown_beside(search: Search, ledger: Ledger, scored: Scored) -> Unknown | 
     scored : Scored
         Beliefs in them.
     """
-    if "torque" not in ledger.kernels.simulated or not search.is_inadequate(ledger, scored):
+    if "torque" not in ledger.kernels.simulated:
         return None
-    return _Beside(search, ledger, scored.best).told()
+    beside = _Beside(search, ledger, scored.best)
+    return beside.told() if beside.promise > named_log_odds() else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +114,7 @@ class _Beside:
         self._search, self._ledger, self._best = search, ledger, ledger.rows[best]
         self._quiet = search.noise.cared_about(self._best, ledger)
         self._known: dict[frozenset[str], _Tried | None] = {}
+        self._ranks: dict[Fitted, list[tuple[float, Kind, float]]] = {}
 
     @cached_property
     def _kinds(self) -> list[Kind]:
@@ -129,6 +132,21 @@ class _Beside:
         """
         problem, kernels = self._search.problem, self._ledger.kernels
         return through_loop(problem, kernels, kind.port, kind.signals, as_simulated=True)
+
+    @property
+    def promise(self) -> float:
+        """[nats] Gain of a free function beside the best row, as a straight line tells it.
+
+        Or in place of one of its laws, or of all: two of them may imitate what is none.
+        """
+        row, rows = self._best, self._ledger.rows
+        inner = grams(self._search.problem, row.beside_own_parts(self._quiet), row)
+        alone = float(log_evidences(row, inner, self._once)[0])
+        alone += self._search.log_prior(row.elements)
+        asked = [row, *(rows[e] for e in self._fewer(row.elements) if e in rows)]
+        pairs = zip(asked, self._ranked(asked), strict=True)
+        gains = [found[0][0] + self._prior(one.elements) for one, found in pairs if found]
+        return max(gains, default=-np.inf) - alone
 
     def told(self) -> Unknown | None:
         """The unknown, or None where it is not believed."""
@@ -161,9 +179,14 @@ class _Beside:
 
     def _with_less(self, now: _Tried) -> list[_Tried]:
         """Rows that lack one element of a row, and that without any."""
-        fewer = {frozenset(), *(now.elements - {name} for name in now.elements)}
-        known = (self._ledger.rows.get(elements) for elements in sorted(fewer, key=sorted))
+        known = (self._ledger.rows.get(elements) for elements in self._fewer(now.elements))
         return self._beside([self._under_noise(row) for row in known if row is not None])
+
+    @staticmethod
+    def _fewer(elements: frozenset[str]) -> list[frozenset[str]]:
+        """All but one of some elements, and none."""
+        fewer = {frozenset[str](), *(elements - {name} for name in elements)} - {elements}
+        return sorted(fewer, key=sorted)
 
     def _with_more(self, now: _Tried) -> list[_Tried]:
         """Rows with one element of the best row more, fitted from where the function ended.
@@ -242,18 +265,19 @@ class _Beside:
 
     def _ranked(self, rows: Sequence[Fitted]) -> list[list[tuple[float, Kind, float]]]:
         """Kinds beside each row: evidence of a straight line, and the size there, best first."""
-        search = self._search
-        ranked: list[list[tuple[float, Kind, float]]] = [[] for _ in rows]
-        for kind in self._kinds if rows else ():
+        search, new = self._search, [row for row in rows if row not in self._ranks]
+        found: dict[Fitted, list[tuple[float, Kind, float]]] = {row: [] for row in new}
+        for kind in self._kinds if new else ():
             columns = self._columns(kind)
             white = self._quiet(columns)
-            for row, found in zip(rows, ranked, strict=True):
+            for row, own in found.items():
                 start = WithUnknown(kind, columns, row, np.zeros(kind.count))
                 sized = start.sized(
                     search.problem, self._quiet, self._once, search.tolerance, white
                 )
-                found.append((float(sized.log_evidences[0]), kind, sized.size))
-        return [sorted(found, key=lambda one: -one[0]) for found in ranked]
+                own.append((float(sized.log_evidences[0]), kind, sized.size))
+        self._ranks |= {row: sorted(own, key=lambda one: -one[0]) for row, own in found.items()}
+        return [self._ranks[row] for row in rows]
 
     def _tried(self, row: Fitted, kind: Kind, size: float) -> _Tried:
         """Fit a function, and the noise beside it, in turn until nothing gains.
