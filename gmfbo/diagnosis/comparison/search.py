@@ -245,20 +245,28 @@ class Search:
         if "sensor" not in ledger.kernels.simulated.keys() & ledger.levels.ports.keys():
             return ledger, scored
         for _ in range(_HEARINGS):
-            best, heard = scored.best, self._heard_by(ledger, scored.best)
-            if heard is None:
-                break
-            own = {**ledger.own_noise, best: heard}
-            tried = self._levelled(replace(ledger, noise=heard, own_noise=own), best)
-            tried = self._levelled(tried, best)  # errors are now those of what it has not heard
-            was, now = (log_likelihood(one.rows[best], one.whitening) for one in (ledger, tried))
-            if now <= was:
+            # What leads by what it leaves itself may be another row than the best under its levels.
+            rows = dict.fromkeys([self._leading(ledger), scored.best])
+            likelier = (self._likelier_hearing(ledger, row) for row in rows)
+            tried = next((one for one in likelier if one is not None), None)
+            if tried is None:
                 break
             ledger, scored = self._settled(tried)
         rivals = {e: self._heard_by(ledger, e) for e in scored.rivals_to_hear(ledger)}
         before, ledger = scored.best, under_own_noise(ledger, self._fits, rivals)
         scored = self.scored(ledger, weighted=False)
         return (ledger, scored) if scored.best == before else self._settled(ledger)
+
+    def _likelier_hearing(self, ledger: Ledger, row: frozenset[str]) -> Ledger | None:
+        """A row, and its levels, under the noise that it says itself; None if no likelier so."""
+        heard = self._heard_by(ledger, row)
+        if heard is None:
+            return None
+        own = {**ledger.own_noise, row: heard}
+        tried = self._levelled(replace(ledger, noise=heard, own_noise=own), row)
+        tried = self._levelled(tried, row)  # errors are now those of what it has not heard
+        was, now = (log_likelihood(one.rows[row], one.whitening) for one in (ledger, tried))
+        return tried if now > was else None
 
     def _heard_by(self, ledger: Ledger, elements: frozenset[str]) -> HeardNoise | None:
         """Noise that a row says the controller read; None where it changes nothing there."""
