@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.fitted_starts import told_starts
 from gmfbo.diagnosis.case.wider_ranges import stated_ranges
-from gmfbo.diagnosis.comparison.numbers import MOST, TOLD_APART
+from gmfbo.diagnosis.comparison.numbers import MOST, TOLD_APART, named_log_odds
 from gmfbo.diagnosis.comparison.priors import coordinates_of, inside
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.from_recordings import propose
@@ -257,17 +257,17 @@ class Conclusion:
             whitening.square(problem.residual(problem.values(runs), base.nuisances))
             for runs in (as_it_came, *self.case.simulations.run([refitted]))
         )
-        return nominal - fitted > TOLD_APART and self._are_elsewhere
+        return 0.5 * (nominal - fitted) > named_log_odds() and self._are_elsewhere
 
     @property
     def _are_elsewhere(self) -> bool:
-        """Whether the refitted values lie elsewhere by more than their intervals are wide.
+        """Whether the refitted values are believed to lie elsewhere than the twin's.
 
         Where the remainder is more than noise, as of a twin that counts, squares fall by chance.
         """
         part = self.result.part
         came = coordinates_of(part.fitted.priors, part.fitted.hypothesis.start({}))
-        return part.squares_from(inside(part.fitted.priors, came)) > TOLD_APART
+        return part.log_odds_against(inside(part.fitted.priors, came)) > named_log_odds()
 
     @property
     def _sufficiency(self) -> Sufficiency:

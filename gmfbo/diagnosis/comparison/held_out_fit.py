@@ -35,6 +35,7 @@ from gmfbo.diagnosis.fitting.intervals import TWO_SIDED
 Array = NDArray[np.float64]
 
 _DRAWN = 2000  # values of a mixture of modes
+_RIDGE = 1e-9  # of correlations: quantities may be the same to the recordings
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,11 +96,12 @@ class Part:
         )
         return np.abs(slope) * half / TWO_SIDED, low_x, high_x
 
-    def squares_from(self, values: Array) -> float:
-        """Squared distance of the free quantities from other values, in deviations.
+    def log_odds_against(self, values: Array) -> float:
+        """[nats] Odds that free quantities lie elsewhere, against some values (Dickey 1971).
 
-        As wide as the intervals before the step of the simulation is allowed for; correlated as the
-        parabola says.
+        The prior's density there over the posterior's, which is as wide as the intervals before
+        the step of the simulation is allowed for, and correlated as the parabola says: of all
+        quantities together, or of the one that says most.
 
         Parameters
         ----------
@@ -107,12 +109,19 @@ class Part:
             In the coordinates of the priors.
         """
         fitted, p = self.fitted, self.fitted.u.size
+        if not p:
+            return 0.0
         inner = grams(self.problem, fitted.beside_own_parts(self.whitening), fitted)
-        covariance = _covariance(fitted, inner)
-        narrow = TWO_SIDED * np.sqrt(np.diag(covariance))
         low, high = self._within(inner)
-        moved = (fitted.u - values) * 2.0 * narrow / (high - low)
-        return float(moved @ np.linalg.solve(covariance, moved)) if p else 0.0
+        covariance = _covariance(fitted, inner)
+        deviations, spreads = 0.5 * (high - low) / TWO_SIDED, np.sqrt(np.diag(covariance))
+        alike = covariance / np.outer(spreads, spreads) + _RIDGE * np.eye(p)
+        before = [q.log_density(float(v)) for q, v in zip(fitted.priors, values, strict=True)]
+        alone = np.array(before) - norm.logpdf(values, fitted.u, deviations)
+        factor = np.linalg.cholesky(alike)
+        z = np.linalg.solve(factor, (values - fitted.u) / deviations)
+        after = norm.logpdf(z).sum() - np.log(np.diag(factor) * deviations).sum()
+        return float(max(sum(before) - after, alone.max()))
 
     def _within(self, inner: Grams) -> tuple[Array, Array]:
         """Ends of 95 % of the mixture of all modes, in the coordinates of the priors."""

@@ -7,7 +7,9 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
+from scipy.stats import multivariate_normal, norm
 
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.held_out_fit import Part
@@ -143,3 +145,43 @@ def test_a_fit_that_is_far_worse_does_not_widen_the_interval() -> None:
     _, own_low, own_high = with_mode(part, 20.0 * deviation[0], 60.0).intervals()
     np.testing.assert_allclose(own_low, low, atol=0.1 * deviation[0])
     np.testing.assert_allclose(own_high, high, atol=0.1 * deviation[0])
+
+
+def test_odds_that_values_lie_elsewhere_are_those_of_two_evidences() -> None:
+    """Of a linear fit the evidence is a normal density of all rows (Bishop 2006, eq. 3.86).
+
+    Told are no more where they count: widths allow for stretches that speak for other values.
+    """
+    rng = np.random.default_rng(5)
+    columns = rng.standard_normal((2, ROWS))
+    part = linear_part(rng, columns, 1.0)
+    rows = part.fitted.residual[0][0] + columns.T @ part.fitted.u
+    spread = np.eye(ROWS) + WIDE.spread**2 * columns.T @ columns
+    whole = multivariate_normal(np.zeros(ROWS), spread).logpdf(rows)
+    assert part.log_odds_against(part.fitted.u) < 0.0
+    for apart in (0.4, 0.6):
+        values = part.fitted.u + apart
+        exact = whole - np.sum(norm.logpdf(rows - columns.T @ values))
+        told = part.log_odds_against(values)
+        assert told < exact + 0.1
+        assert told == pytest.approx(exact, rel=0.3)
+
+
+def test_odds_stand_quantities_of_any_units_and_such_as_are_nearly_the_same() -> None:
+    rng = np.random.default_rng(6)
+    columns = rng.standard_normal((2, ROWS))
+    plain = linear_part(rng, columns, 1.0).log_odds_against(np.array([1.0, 2.0]))
+    assert plain > 10.0
+    steep = linear_part(np.random.default_rng(7), columns * [[1.0], [1e7]], 1.0)
+    assert steep.log_odds_against(np.array([1.0, 2.0])) > 10.0
+    alike = linear_part(rng, np.stack([columns[0], columns[0] + 1e-7 * columns[1]]), 1.0)
+    assert np.isfinite(alike.log_odds_against(alike.fitted.u))
+
+
+def test_one_quantity_that_lies_elsewhere_is_not_hidden_by_many_that_do_not() -> None:
+    columns = np.random.default_rng(8).standard_normal((8, ROWS))
+    part = linear_part(np.random.default_rng(9), columns, 1.0)
+    values = part.fitted.u.copy()
+    assert part.log_odds_against(values) < 0.0
+    values[3] += 0.35  # seven deviations; eight quantities cost six nats each
+    assert part.log_odds_against(values) > 5.0
