@@ -1,4 +1,4 @@
-"""Long rests: where friction may hold an axis anywhere, and noise lets it creep."""
+"""Long rests, and such as a recording begins in: friction may hold an axis anywhere there."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ def mark_long_rests(
     if seconds == 0.0:
         return []
     return [
-        f"long rests, {seconds:.3g} s, are compared while they settle: friction may hold an axis "
-        "anywhere, and noise lets it creep"
+        f"long rests, {seconds:.3g} s, are compared while they settle, one in the first row "
+        "not at all: friction may hold an axis anywhere, and noise lets it creep"
     ]
 
 
@@ -97,7 +97,10 @@ class _Motion:
         for first, behind in zip(edges[::2], edges[1::2], strict=True):
             # Friction holds the axis for longer than its twin.
             stuck = np.logical_and.accumulate(stands[behind : behind + least]).sum()
-            if behind - first >= 3 * least:
+            # How it holds the axis in the first row came of what nobody recorded.
+            begins = bool(stands[:behind].all())
+            if behind - first >= (1 if begins else 3) * least:
+                first = 0 if begins else first
                 found.append((float(self.time[first]), float(self.time[behind + stuck - 1])))
         return tuple(found)
 
@@ -113,7 +116,8 @@ def _moving(
 
 def _speed(values: Array, rows: int, spacing: float) -> Array:
     """Amount of the difference of means before and after each row, [SI/s]."""
-    padded = np.concatenate([np.full(rows, values[0]), values, np.full(rows, values[-1])])
+    ends = values[:rows].mean(), values[-rows:].mean()
+    padded = np.concatenate([np.full(rows, ends[0]), values, np.full(rows, ends[1])])
     sums = np.concatenate([[0.0], np.cumsum(padded)])
     means = (sums[rows:] - sums[:-rows]) / rows
     n = values.size

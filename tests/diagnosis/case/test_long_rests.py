@@ -51,6 +51,22 @@ def test_moves_are_compared_from_when_the_axis_lets_go_to_when_it_has_settled() 
         assert sum(note.startswith("long rests") for note in case.notes) == 1
 
 
+@pytest.mark.parametrize("cut", [2.4, 4.8])
+def test_a_recording_that_begins_at_rest_is_compared_from_where_the_axis_lets_go(
+    cut: float,
+) -> None:
+    """Where friction holds it in the first row came of a motion that nobody recorded."""
+    made = recorded()[0]
+    begin = cut + 0.2
+    assert begin in [at for at, _, _ in MOVED]
+    kept = made.time >= cut
+    signals = {name: column[kept] for name, column in made.signals.items()}
+    late = replace(made, time=made.time[kept], signals=signals)
+    with closing((case := open_small(SERVO.twin(), [late])).simulations):
+        (start, _), *_ = compared(case)
+        assert begin < start < begin + 0.15
+
+
 def test_an_axis_that_is_moved_while_its_twin_rests_is_compared() -> None:
     made = recorded()[0]
     shaken = np.where((made.time > 4.0) & (made.time < 4.5), 0.01, 0.0)
