@@ -17,15 +17,19 @@ from gmfbo.diagnosis.fitting.fit import Fitted, fit_to_the_end
 from gmfbo.diagnosis.fitting.hypothesis import Hypothesis
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.runs.fitted_start import FittedStart
+from gmfbo.diagnosis.runs.scored_record import ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.runs.start_changes import changes_by, own_points, start_changes
+from gmfbo.diagnosis.scoring.noise_levels import rounding_of
 from gmfbo.errors import RecordingError
 from gmfbo.plain_words import quantity
 from gmfbo.sources.twin.twin import FmuTwin
 
 Array = NDArray[np.float64]
 
+_COUNTS = 5.0  # of which rounding hides a twentieth
+_BEGINNING = 0.1  # of a recording, within which they are waited for
 _FIRST_ROWS = 8  # the slope of a noisy position is known from so many to 15 % of a row's noise
 _ROUNDS, _OWN_ROUNDS = 10, 3
 _SETTLED = 0.1  # of a whitened square
@@ -75,7 +79,11 @@ def begun_at_first_rows(
         spread = start.spread / effect
         found.append(replace(start, spread=spread, step=spread * _step_share(simulations)))
     _refuse_blank_beginnings(simulations)
-    simulations.starts = _led(simulations, found, Point(), runs, _first_rows)
+
+    def first_rows(record: int, signal: int) -> NDArray[np.int64]:
+        return np.arange(_told_within(simulations.records[record].signals[signal]))
+
+    simulations.starts = _led(simulations, found, Point(), runs, first_rows)
     return simulations.run([Point()])[0]
 
 
@@ -140,15 +148,18 @@ def _led(
     for k, (record, run) in enumerate(zip(simulations.records, runs, strict=True)):
         left, moved = [], []
         for i, signal in enumerate(record.signals):
-            noise, own = _noise(signal.values), rows(k, i)
+            noise, own = _noise(signal), rows(k, i)
             left.append((signal.values - run.signals[i])[own] / noise)
             moved.append([column[k][i][own] / noise for column in columns])
         steps.append(_step(np.concatenate(left), np.concatenate(moved, axis=1)))
     return _after(starts, steps)
 
 
-def _first_rows(record: int, signal: int) -> NDArray[np.int64]:
-    return np.arange(_FIRST_ROWS)
+def _told_within(signal: ScoredSignal) -> int:
+    """Number of the first rows that tell a slope: coarse counts stay the same over a few."""
+    most = int(_BEGINNING * signal.values.size)
+    moved = np.abs(signal.values[:most] - signal.values[0]) >= _COUNTS * signal.resolution
+    return max(_FIRST_ROWS, int(np.argmax(moved)) + 1 if moved.any() else most)
 
 
 def fitted_with_starts(
@@ -250,7 +261,7 @@ def _step_share(simulations: Simulations) -> float:
     A larger one would break an axis loose of its friction.
     """
     shares = [
-        _noise(signal.values) / float(np.ptp(signal.values))
+        _noise(signal) / float(np.ptp(signal.values))
         for record in simulations.records
         for signal in record.signals
         if np.ptp(signal.values) > 0.0
@@ -276,10 +287,14 @@ def _largest_effect(simulations: Simulations, columns: Sequence[Sequence[Array]]
     )
 
 
-def _noise(values: Array) -> float:
-    """Deviation of a row's noise, by its second differences; a floor where it has none."""
-    deviation = float(np.median(np.abs(np.diff(values, 2)))) / (0.6745 * np.sqrt(6.0))
-    return float(max(deviation, 1e-6 * float(np.ptp(values)), 1e-300))
+def _noise(signal: ScoredSignal) -> float:
+    """Deviation of a row's noise, by its second differences; a floor where it has none.
+
+    Of a coarse count most second differences are none: it has its rounding.
+    """
+    deviation = float(np.median(np.abs(np.diff(signal.values, 2)))) / (0.6745 * np.sqrt(6.0))
+    least = max(rounding_of(signal), 1e-6 * float(np.ptp(signal.values)), 1e-300)
+    return float(max(deviation, least))
 
 
 def told_starts(case: Case, model: Fitted | None = None) -> list[str]:

@@ -105,7 +105,7 @@ class FitNoise:
     ) -> Levels:
         problem = self.problem
         rates = problem.rates(fitted.values)
-        least = {**self.cared, "sensor": kernels.rounding}
+        least = {**self.cared, "sensor": self._least(kernels).ports.get("sensor", 0.0)}
         by = replace(about, jitter=0.0)
         parts = [
             (segment, residual, rate)

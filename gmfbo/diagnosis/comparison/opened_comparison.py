@@ -200,15 +200,18 @@ def kernels_of(case: Case, problem: Problem) -> Callable[[Fitted], PortKernels]:
 
 def _least_levels(case: Case, problem: Problem, ports: Collection[str]) -> Levels:
     """Levels of noise below which none is looked for."""
-    own = {name: _least_own(problem, name) for name in problem.ranges}
-    position = case.rig.position
-    is_open = case.simulations.tracking is not None
+    position, is_open = case.rig.position, case.simulations.tracking is not None
+    read = problem.positions if not is_open else ()  # that a controller reads
+    own = {
+        name: _least_own(problem, name, _LEAST_ROUNDING if name in read else 1.0)
+        for name in problem.ranges
+    }
     sensor = {}
-    if is_open and position is not None:
-        own[position] *= _FOLLOWED  # its noise is at the port: the twin follows it
     if "sensor" in ports and position is not None:
         share = 1.0 if is_open else _FAINT
         sensor["sensor"] = share * own[position] / case.rig.position_to_si
+    if is_open and position is not None:
+        own[position] *= _FOLLOWED  # its noise is at the port: the twin follows it
     return Levels(sensor, own, _LEAST_JITTER_S)
 
 
@@ -278,11 +281,11 @@ def _first(case: Case, problem: Problem) -> Fitted:
     return TrialPoints(problem, hypothesis).with_judged_steps(first, problem.square_by_range)
 
 
-def _least_own(problem: Problem, name: str) -> float:
-    """[SI] Noise of a column below which none is looked for."""
+def _least_own(problem: Problem, name: str, rounded: float) -> float:
+    """[SI] Noise of a column below which none is looked for, some of its rounding or all."""
     rounding = problem.logging.resolutions[name]
     share = _LEAST_OWN_POSITION if name in problem.positions else _LEAST_OWN
-    least = max(_LEAST_ROUNDING * rounding / np.sqrt(12.0), share * problem.ranges[name])
+    least = max(rounded * rounding / np.sqrt(12.0), share * problem.ranges[name])
     return float(max(least, _LEAST_SI))
 
 

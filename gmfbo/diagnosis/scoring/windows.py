@@ -149,7 +149,8 @@ def first_difference(signal: ScoredSignal, values: NDArray[np.float64]) -> float
 
 def _noise_and_bound(signal: ScoredSignal) -> tuple[float, float]:
     """Size of a signal's noise, and the difference at its start that is another state."""
-    noise = float(np.median(np.abs(np.diff(signal.values, 2))))
+    rounding = 0.6745 * np.sqrt(6.0) * signal.resolution / np.sqrt(12.0)
+    noise = max(float(np.median(np.abs(np.diff(signal.values, 2)))), float(rounding))
     return noise, max(_ELSEWHERE * float(np.ptp(signal.values)), 3.0 * noise)
 
 

@@ -64,6 +64,25 @@ def test_starts_and_friction_are_found_together() -> None:
             assert unseen.simulations.starts[1].values == pytest.approx(velocity.values, abs=1e-2)
 
 
+@pytest.mark.parametrize(("count", "within"), [(0.15, 0.15), (0.05, 0.02)])
+def test_coarse_counts_tell_a_start_as_well_as_their_rounding_lets_them(
+    count: float, within: float
+) -> None:
+    """A potentiometer of few steps: most rows are the row before, and no noise shows."""
+    recordings = [
+        one.with_signals({"position": count * np.round(one.signals["position"] / count)})
+        for one in coast_downs({})
+    ]
+    with (
+        bench() as twin,
+        closing((case := open_case(twin, recordings, seed=0, jobs=1)).simulations),
+    ):
+        position, velocity = case.simulations.starts
+        assert position.values == pytest.approx([p for p, _ in STARTS], abs=count)
+        assert velocity.values == pytest.approx([v for _, v in STARTS], rel=within)
+        assert case.base.parameters["viscous"] == pytest.approx(VISCOUS, rel=0.01)
+
+
 def test_friction_that_the_twin_lacks_is_named_and_the_table_begins_where_the_axis_did() -> None:
     with bench() as twin:
         found = diagnose(twin, coast_downs({"coulomb_friction.level": LEVEL}), seed=0)
