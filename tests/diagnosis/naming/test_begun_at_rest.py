@@ -72,10 +72,11 @@ def test_gravity_that_held_the_axis_before_the_recording_leaves_noise_alone() ->
 
 
 def test_negative_control_a_twin_that_starts_under_gravity_leaves_a_start_that_never_was() -> None:
+    """An offset of the sensor comes nearest to it, and is less likely by ten nats and more."""
     kept, _, _ = _decided("gravity", 0.8)
     started, _, _ = _decided("gravity", 0.8, rest=0)
     assert _names(started) != ["gravity_torque"]
-    assert started.model.chi2 > kept.model.chi2 + 100.0
+    assert started.model.chi2 > kept.model.chi2 + 20.0
 
 
 def test_the_augmented_twin_begins_at_rest_as_the_recordings_did() -> None:
@@ -91,19 +92,13 @@ def test_the_augmented_twin_begins_at_rest_as_the_recordings_did() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("start", "names"),
-    [pytest.param(1e-5, [], marks=pytest.mark.slow), (0.5, ["pulse_disturbance"])],
-)
-def test_a_push_is_named_unless_it_may_have_begun_before_the_recordings(
-    start: float, names: list[str]
-) -> None:
+@pytest.mark.parametrize("start", [1e-5, 0.5])
+def test_a_push_is_named_wherever_in_the_recordings_it_acts(start: float) -> None:
     push = {"level": 0.5, "start": start, "duration": 0.1}
     physics = {f"pulse_disturbance.{name}": value for name, value in push.items()}
     recordings = SERVO.recordings(physics, (multisine, moves))
     diagnosis = diagnosed(SERVO.twin(), recordings, only=("pulse_disturbance", "coulomb_friction"))
-    assert named(diagnosis) == names
-    assert any("was not at rest" in note for note in diagnosis.notes) is not bool(names)
+    assert named(diagnosis) == ["pulse_disturbance"]
 
 
 @pytest.mark.slow
