@@ -184,15 +184,15 @@ for law, (on_seen, on_unseen) in table.items():
 # Coulomb and Stribeck friction gain three per cent or four on unseen gains, friction in proportion
 # to the motor's torque a quarter. The authors found the same on 240 runs: their `m5` has 0.29 times
 # the motor's torque and next to no constant friction. So has the diagnosis: about half the load,
-# and less than 20 mN m without load (their `m4` has 9). Beside it a cogging "may be" missing: no
-# more than that, since unseen runs are met no better with it. Its own values, fitted to position
-# and duty of each recording beside parameters that differ from one to the next, gain a tenth of
-# the position's error; the duty's is larger than with other parameters alone. Which values in
-# these intervals a fit ends at changes with the engine: 0.42 to 0.54 times the load so far.
+# and less than 20 mN m without load (their `m4` has 9). Beside it a cogging "may be" missing, and a
+# torque that passed once, in one run, which shows in one stretch only: no more than that. With
+# them and parameters that differ from one recording to the next, held-out runs are met better by a
+# quarter in the position and an eighth in the duty. Which values in these intervals a fit ends at
+# changes with the engine: 0.42 to 0.54 times the load so far, and so does what stands beside it.
 # Whether Coulomb friction alone could do it hangs by less: engines before this one told the one
 # law, or a set of both, by how a sum was rounded.
 #
-# It is far from all: of what is more than noise, the law explains little. An encoder of
+# It is far from all: of what is more than noise, most is explained by no law. An encoder of
 # 4096 steps has little noise, and the twin is still a twentieth of the stroke off. The authors add
 # that load and drive rub differently, a law the library does not have. The supply is taken as a
 # constant 7.4 V though it sags by 0.3 V, and the motor warmed from 27 to 39 degC from the first
@@ -201,13 +201,13 @@ for law, (on_seen, on_unseen) in table.items():
 
 # %%
 named = {effect.name: effect for effect in diagnosis.effects}
-assert diagnosis.verdict == "outside_library", "the law explains far less than half"
+assert diagnosis.verdict == "outside_library", "the laws explain less than half"
 assert diagnosis.effects[0].name == "load_dependent_friction"
 assert not {"coulomb_friction", "stribeck_friction"} & set(named)
 friction = named["load_dependent_friction"]
 assert friction.probability > 0.5, "of its set it is the likeliest"
 assert diagnosis.remainder is not None
-assert diagnosis.remainder.share > 0.75
+assert diagnosis.remainder.share > 0.5
 assert abs(friction.parameters["coefficient"].value - 0.5) < 0.1
 assert friction.parameters["level"].high < 20e-3, "[N m]"
 
