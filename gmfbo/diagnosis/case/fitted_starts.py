@@ -21,7 +21,7 @@ from gmfbo.diagnosis.runs.scored_record import ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Point, Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
 from gmfbo.diagnosis.runs.start_changes import changes_by, own_points, start_changes
-from gmfbo.diagnosis.scoring.noise_levels import rounding_of
+from gmfbo.diagnosis.scoring.noise_levels import SECOND_DIFFERENCE, rounding_of
 from gmfbo.errors import RecordingError
 from gmfbo.plain_words import quantity
 from gmfbo.sources.twin.twin import FmuTwin
@@ -292,7 +292,7 @@ def _noise(signal: ScoredSignal) -> float:
 
     Of a coarse count most second differences are none: it has its rounding.
     """
-    deviation = float(np.median(np.abs(np.diff(signal.values, 2)))) / (0.6745 * np.sqrt(6.0))
+    deviation = float(np.median(np.abs(np.diff(signal.values, 2)))) / SECOND_DIFFERENCE
     least = max(rounding_of(signal), 1e-6 * float(np.ptp(signal.values)), 1e-300)
     return float(max(deviation, least))
 

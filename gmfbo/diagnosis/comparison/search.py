@@ -125,7 +125,7 @@ class Search:
         freed = [m for m in moves if m.element.freed is not None][:_FREED_FITS]
         rows = self._fits(ledger).with_moves(ledger, base, [*effects, *freed])
         ledger, scored = self._settled(replace(ledger, rows=rows))
-        if self.is_inadequate(ledger, scored):
+        if self._is_inadequate(ledger, scored):
             ledger, scored = self._settled(self._by_noise_alone(ledger, base, found))
         ledger, scored = self._heard(ledger, scored)
         seen: set[frozenset[str]] = set()
@@ -170,7 +170,7 @@ class Search:
                 rows[elements] = row
         return replace(ledger, rows=rows)
 
-    def is_inadequate(self, ledger: Ledger, scored: Scored) -> bool:
+    def _is_inadequate(self, ledger: Ledger, scored: Scored) -> bool:
         """Whether the best row leaves clearly more than noise of loop and logger."""
         if "torque" not in self.noise.cared:
             return False

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Record, ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Simulated
 from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.diagnosis.scoring.noise_levels import SECOND_DIFFERENCE
 from gmfbo.diagnosis.scoring.windows import SETTLING
 
 Array = NDArray[np.float64]
 
 _SLOWEST = 1e-4  # of the fastest motion of a twin, which has no noise
 _DEVIATIONS = 5.0  # of noise: one in a million
-_WHITE = 0.6745 * np.sqrt(6.0)  # median amount of a second difference of white noise
 
 Intervals = tuple[tuple[float, float], ...]
 
@@ -81,7 +81,7 @@ class _Motion:
         self.time = signal.time
         self.recorded = _speed(signal.values, rows, signal.spacing)
         self.simulated = _speed(values, rows, signal.spacing)
-        white = float(np.median(np.abs(np.diff(signal.values, 2)))) / _WHITE
+        white = float(np.median(np.abs(np.diff(signal.values, 2)))) / SECOND_DIFFERENCE
         largest = max(_DEVIATIONS * white * np.sqrt(2.0 / rows), signal.resolution)
         self.noise = largest / ((rows + 1) * signal.spacing)
 
@@ -100,8 +100,8 @@ class _Motion:
             # How it holds the axis in the first row came of what nobody recorded.
             begins = bool(stands[:behind].all())
             if behind - first >= (1 if begins else 3) * least:
-                first = 0 if begins else first
-                found.append((float(self.time[first]), float(self.time[behind + stuck - 1])))
+                start = self.time[0 if begins else first]
+                found.append((float(start), float(self.time[behind + stuck - 1])))
         return tuple(found)
 
 

@@ -23,6 +23,9 @@ TOLERANCE = 5e-3
 POSITION_TOLERANCE = 5e-4
 """Negligible share of a position, whose control error is about a hundredth of it."""
 
+SECOND_DIFFERENCE = float(0.6745 * np.sqrt(6.0))
+"""Median amount of a second difference of white noise, in its standard deviations."""
+
 _LOWEST_HZ = 1.0  # below it, a tracking loop holds a free axis
 _NOISE_BAND = (0.30, 0.48)  # of the sampling frequency: too fast for mechanics
 _LEAST_NOISE = 1e-6  # of a signal's range

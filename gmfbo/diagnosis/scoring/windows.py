@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gmfbo.diagnosis.runs.scored_record import LEAST_ROWS, Record, ScoredSignal
 from gmfbo.diagnosis.runs.simulated import Simulated
+from gmfbo.diagnosis.scoring.noise_levels import SECOND_DIFFERENCE, rounding_of
 from gmfbo.diagnosis.scoring.whitening import Window, make_window
 from gmfbo.errors import RecordingError
 
@@ -149,8 +150,8 @@ def first_difference(signal: ScoredSignal, values: NDArray[np.float64]) -> float
 
 def _noise_and_bound(signal: ScoredSignal) -> tuple[float, float]:
     """Size of a signal's noise, and the difference at its start that is another state."""
-    rounding = 0.6745 * np.sqrt(6.0) * signal.resolution / np.sqrt(12.0)
-    noise = max(float(np.median(np.abs(np.diff(signal.values, 2)))), float(rounding))
+    rounding = SECOND_DIFFERENCE * rounding_of(signal)
+    noise = max(float(np.median(np.abs(np.diff(signal.values, 2)))), rounding)
     return noise, max(_ELSEWHERE * float(np.ptp(signal.values)), 3.0 * noise)
 
 
