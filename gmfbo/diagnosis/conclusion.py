@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.fitted_starts import told_starts
 from gmfbo.diagnosis.case.wider_ranges import stated_ranges
-from gmfbo.diagnosis.comparison.numbers import MOST, TOLD_APART, named_log_odds
+from gmfbo.diagnosis.comparison.numbers import MOST, named_log_odds
 from gmfbo.diagnosis.comparison.priors import coordinates_of, inside
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.experiment.from_recordings import propose
@@ -25,12 +25,12 @@ from gmfbo.diagnosis.naming.alignment_told import alignments
 from gmfbo.diagnosis.naming.decision import Decision
 from gmfbo.diagnosis.naming.decision_told import (
     augmentation_of,
-    detectable_sizes,
     named_effects,
     not_testable,
     units_of,
 )
 from gmfbo.diagnosis.naming.open_explanations import predictions_of
+from gmfbo.diagnosis.naming.shown_sizes import detectable_sizes
 from gmfbo.diagnosis.outside.named_law import inferred_beside_law
 from gmfbo.diagnosis.outside.unknown_shape import shape_of
 from gmfbo.diagnosis.result.estimated import EstimatedParameter
@@ -98,6 +98,7 @@ class Conclusion:
         names = [found.winner.name for found in decision.rounds]
         shares = {name: result.squares.share(name) for name in names}
         named = named_effects(decision, result.augmented, spread, self.units, shares, case.twin)
+        untold = not_testable(self.reasons, decision)
         tests = residual_tests(self.unseen or case, result.curves, result.scored, result.augmented)
         verdict = self._verdict(tests)
         location = self._location(verdict)
@@ -113,9 +114,8 @@ class Conclusion:
             alignment=alignment,
             detectable=detectable_sizes(
                 decision.shown,
-                TOLD_APART,
                 case.setting.excitation,
-                [e.name for e in named],
+                {n for e in named for n in e.set} | {e.name for e in untold},
                 self.units,
             ),
             location=location,
@@ -123,7 +123,7 @@ class Conclusion:
             shape=self._shape,
             next_experiment=experiment,
             next_reference=reference,
-            not_testable=not_testable(self.reasons, decision),
+            not_testable=untold,
             cost=Cost(case.simulations.runs, time.perf_counter() - started),
             seed=seed,
             versions=_versions(),

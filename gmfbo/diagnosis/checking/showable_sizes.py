@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-
-import numpy as np
+from dataclasses import dataclass, replace
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.checking.result import Showable
-from gmfbo.diagnosis.comparison.numbers import TOLD_APART, UNLIKE
-from gmfbo.diagnosis.fitting.hypothesis import Candidate
+from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
+from gmfbo.diagnosis.comparison.ledger import Ledger
+from gmfbo.diagnosis.comparison.moves import Element, Response, Shown, responses, shown
+from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
+from gmfbo.diagnosis.comparison.problem import Problem
+from gmfbo.diagnosis.comparison.search import Search
+from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.diagnosis.naming.decision_told import units_of
+from gmfbo.diagnosis.naming.shown_sizes import detectable_sizes, not_shown
 from gmfbo.diagnosis.result.named_effect import DetectableSize, NotTestable
-from gmfbo.diagnosis.screening.probes import Probe, Screened, probes, screened
-from gmfbo.diagnosis.screening.testable_effects import candidates, untestable
+from gmfbo.diagnosis.screening.testable_effects import untestable
 from gmfbo.physics import CATALOGUE
 
 _CHUNK = 6  # starts simulated between two reports of progress
@@ -38,7 +41,10 @@ class Excited:
 
 
 def showable_sizes(case: Case, progress: Callable[[float], None]) -> Excited:
-    """Simulate every effect at its probing size, and scale it to the size that would be named.
+    """Scale each effect to the size at which a diagnosis would tell it beside noise.
+
+    Noise, errors of the logger and what parameters can make are those of a diagnosis that begins;
+    of what the twin may lack no more is forgiven than what nobody cares about.
 
     Parameters
     ----------
@@ -53,81 +59,79 @@ def showable_sizes(case: Case, progress: Callable[[float], None]) -> Excited:
         has_inertia=case.setting.inertia is not None,
         is_open=case.simulations.tracking is not None,
     )
-    library = candidates(
-        [name for name in CATALOGUE if name not in reasons], case.setting.excitation
-    )
-    tried = _probed(case, library, progress)
-    together, alike = _sizes(case, tried, None)
-    reasons |= alike
-    alone = {
-        record.name: _sizes(case, tried, k)[0] for k, record in enumerate(case.simulations.records)
-    }
+    comparison = comparison_of(case, [name for name in CATALOGUE if name not in reasons])
+    search = comparison.search
+    ledger = search.opened(comparison.first)
+    effects = [e for e in search.elements if e.candidate is not None]
+    seen = _Seen.of(search, ledger, _tried(search.problem, ledger, effects, progress))
+    reasons |= not_shown(effects, seen.found, seen.together(), ())
+
+    def sizes(told: Sequence[Shown]) -> dict[str, DetectableSize]:
+        return detectable_sizes(told, case.setting.excitation, reasons, units_of(case))
+
+    names = [record.name for record in case.simulations.records]
+    alone = {name: sizes(seen.alone(k)) for k, name in enumerate(names)}
     showable = {}
-    for name, size in together.items():
-        if name in reasons:
-            continue
+    for name, size in sizes(seen.together()).items():
         by_one = {k: own[name].size if name in own else math.inf for k, own in alone.items()}
-        # A size that one recording shows also shows in all together.
-        least = min(size.size, *by_one.values())
         floor = CATALOGUE[name].floor(case.setting.excitation)
-        showable[name] = Showable(size.parameter, size.unit, least, by_one, floor)
+        showable[name] = Showable(size.parameter, size.unit, size.size, by_one, floor)
     return Excited(
         showable,
         tuple(NotTestable(name, reasons[name]) for name in CATALOGUE if name in reasons),
     )
 
 
-def _probed(
-    case: Case, library: Sequence[Candidate], progress: Callable[[float], None]
-) -> list[Probe]:
-    tried: list[Probe] = []
-    for first in range(0, len(library), _CHUNK):
-        progress(first / len(library))
-        tried += probes(case.misfit, case.base, library[first : first + _CHUNK])
-    return tried
+def _tried(
+    problem: Problem,
+    ledger: Ledger,
+    effects: Sequence[Element],
+    progress: Callable[[float], None],
+) -> list[Response]:
+    base, found = ledger.rows[frozenset()], list[Response]()
+    for first in range(0, len(effects), _CHUNK):
+        progress(first / len(effects))
+        found += responses(problem, base, effects[first : first + _CHUNK])
+    return found
 
 
-def _sizes(
-    case: Case, tried: Sequence[Probe], record: int | None
-) -> tuple[dict[str, DetectableSize], dict[str, str]]:
-    """Smallest sizes by effect in one recording or in all, and why others do not show."""
-    whiteners = case.misfit.whiteners
-    if record is not None:
-        whiteners = tuple(w for w in whiteners if w.window.record == record)
-    if not whiteners:
-        return {}, {}
-    misfit = case.misfit.with_whiteners(whiteners)
-    base = case.base.measured_by(misfit)
-    told = [screened(misfit, base, probe) for probe in tried]
-    most: dict[str, float] = {}
-    felt: dict[str, float] = {}
-    for entry in told:
-        name = entry.probe.candidate.effect
-        most[name] = max(most.get(name, 0.0), entry.unlike_parameters)
-        felt[name] = max(felt.get(name, 0.0), entry.information)
-    alike = {
-        name: "like [uncertain] parameters" if felt[name] > 0.0 else "changes nothing here"
-        for name, share in most.items()
-        if share < UNLIKE
-    }
-    return _detectable(case, told), alike
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Changes of the signals by effects, and the noise beside which they are seen.
 
+    Attributes
+    ----------
+    problem : Problem
+        With the segments.
+    base : Fitted
+        The refitted twin.
+    whitening : Whitening
+        By noise.
+    found : list of Response
+        Of the effects.
+    """
 
-def _detectable(case: Case, told: Sequence[Screened]) -> dict[str, DetectableSize]:
-    """Smallest size of each effect that would be told."""
-    sizes: dict[str, DetectableSize] = {}
-    excitation, units = case.setting.excitation, units_of(case)
-    for entry in told:
-        candidate = entry.probe.candidate
-        law = candidate.law
-        if entry.information <= 0.0 or candidate.searched > 1:
-            continue  # several lines together show at a smaller size than any of them
-        at_probe = entry.probe.at_probe
-        smallest = law.size({**at_probe.more, **at_probe.values}, excitation)
-        if all(entry.probe.amplitudes):
-            smallest *= float(np.sqrt(TOLD_APART / entry.information))
-        # Else a limit, which shows whole or not at all.
-        smallest = max(smallest, law.floor(excitation))
-        if law.name not in sizes or smallest < sizes[law.name].size:
-            sizes[law.name] = DetectableSize(law.size_name, smallest, units.resolve(law.size_unit))
-    return {name: sizes[name] for name in CATALOGUE if name in sizes}
+    problem: Problem
+    base: Fitted
+    whitening: Whitening
+    found: list[Response]
+
+    @classmethod
+    def of(cls, search: Search, ledger: Ledger, found: list[Response]) -> _Seen:
+        """State what is seen beside a ledger's noise."""
+        base = ledger.rows[frozenset()]
+        return cls(search.problem, base, search.noise.cared_about(base, ledger), found)
+
+    def together(self) -> list[Shown]:
+        """How well all recordings show each effect."""
+        return shown(self.whitening, self.base, self.found)
+
+    def alone(self, record: int) -> list[Shown]:
+        """How well one recording shows each effect; nothing where none of it is compared."""
+        kept = [i for i, s in enumerate(self.problem.segments) if s.record == record]
+        if not kept:
+            return []
+        base = replace(self.base, columns=[self.base.columns[i] for i in kept])
+        parts = tuple(self.whitening.parts[i] for i in kept)
+        found = [replace(r, columns=[r.columns[i] for i in kept], _white=[]) for r in self.found]
+        return shown(Whitening(parts, self.whitening.spreads), base, found)

@@ -13,11 +13,10 @@ from gmfbo.diagnosis.comparison.claims import Claim, Shares, claims_of, shares_a
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Scored
-from gmfbo.diagnosis.comparison.moves import Shown, shown
+from gmfbo.diagnosis.comparison.moves import shown
 from gmfbo.diagnosis.comparison.numbers import (
     DOUBTED,
     NAMED,
-    UNLIKE,
     named_log_odds,
 )
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
@@ -27,6 +26,7 @@ from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round, WrongValue
 from gmfbo.diagnosis.naming.row_to_hold import effects_of, held_by, model_row
+from gmfbo.diagnosis.naming.shown_sizes import not_shown
 from gmfbo.diagnosis.naming.stretch_evidence import acting_of, gains_of, per_recording, seen_once
 from gmfbo.diagnosis.naming.worth import as_told
 from gmfbo.diagnosis.result.certainty import LEAST_FOR_A_FACT
@@ -37,9 +37,6 @@ from gmfbo.plain_words import listed, words
 Array = NDArray[np.float64]
 
 _COMPARED, _TO_GO, _EACH = 0.85, 0.65, 0.85  # shares of a diagnosis, and of what is left by a line
-
-_NOTHING = "changes nothing in these recordings"
-_RUNS_AWAY = "the twin does not run to its end with it"
 
 
 def decide(
@@ -94,7 +91,9 @@ def decide(
         base=base,
         threshold=named_log_odds(),
         shown=tuple(seen),
-        untestable=_untestable(compared, seen, {n for c in said for n in c.members}),
+        untestable=not_shown(
+            compared.search.elements, ledger.responses, seen, {n for c in said for n in c.members}
+        ),
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
@@ -276,31 +275,3 @@ def _notes_of(rounds: Sequence[Round], silent: Collection[str]) -> list[str]:
     if not unsure:
         return once
     return [*once, f"no recording reverses: one that does would make sure of {listed(unsure)}"]
-
-
-def _untestable(compared: Compared, seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:
-    """Effects about which these recordings tell nothing, and why."""
-    return {**_like_parameters(seen, said), **_running_away(compared)}
-
-
-def _running_away(compared: Compared) -> dict[str, str]:
-    """Effects that compete and cannot be simulated at any of their starts."""
-    simulated = {response.element.name for response in compared.ledger.responses}
-    elements = [e for e in compared.search.elements if e.candidate is not None]
-    return {e.name: _RUNS_AWAY for e in elements if e.name not in simulated}
-
-
-def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:
-    """Effects that the refitted parameters can make by themselves, and which of them does."""
-    best: dict[str, Shown] = {}
-    for entry in seen:
-        name = entry.element.name
-        if entry.element.candidate is None or name in said:
-            continue
-        if name not in best or entry.unlike > best[name].unlike:
-            best[name] = entry
-    return {
-        name: f"is parameter {entry.nearest}" if entry.unlike > 0.0 and entry.nearest else _NOTHING
-        for name, entry in best.items()
-        if entry.unlike < UNLIKE
-    }

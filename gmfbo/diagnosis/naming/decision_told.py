@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from gmfbo.diagnosis.case.case import Case
-from gmfbo.diagnosis.comparison.moves import Shown
 from gmfbo.diagnosis.fitting.fit import Fitted
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.intervals import Spread
@@ -17,12 +14,11 @@ from gmfbo.diagnosis.result.augmentation import Augmentation
 from gmfbo.diagnosis.result.certainty import statement_of
 from gmfbo.diagnosis.result.explained import Share
 from gmfbo.diagnosis.result.named_effect import (
-    DetectableSize,
     IdentifiedValue,
     NamedEffect,
     NotTestable,
 )
-from gmfbo.physics import CATALOGUE, Excitation, Units
+from gmfbo.physics import CATALOGUE, Units
 from gmfbo.plain_words import quantity
 from gmfbo.sources.binding.augmented_binding import PORT_OUTPUTS
 from gmfbo.sources.twin.twin import FmuTwin
@@ -134,46 +130,6 @@ def _instead(found: Round, twin: FmuTwin) -> dict[str, str]:
             nominal = quantity(twin.nominal(name), unit)
             told[rival.name] = f"{quantity(value, unit)} instead of {nominal}"
     return told
-
-
-def detectable_sizes(
-    shown: Sequence[Shown],
-    threshold: float,
-    excitation: Excitation,
-    named: Collection[str],
-    units: Units,
-) -> dict[str, DetectableSize]:
-    """Smallest size of each effect not named that would have gained the threshold.
-
-    Parameters
-    ----------
-    shown : sequence of Shown
-        How well each effect at its start is seen.
-    threshold : float
-        Whitened square from which an effect is named.
-    excitation : Excitation
-        By the recordings.
-    named : collection of str
-        Effects that are left out.
-    units : Units
-        Of the twin.
-    """
-    sizes: dict[str, DetectableSize] = {}
-    for entry in shown:
-        candidate = entry.element.candidate
-        if candidate is None or candidate.effect in named or entry.information <= 0.0:
-            continue
-        if candidate.searched > 1:
-            continue  # several lines together show at a smaller size than any of them
-        law = candidate.law
-        smallest = law.size({**candidate.more, **candidate.values}, excitation)
-        if any(low <= 0.0 for low, _ in law.bounds(excitation).values()):
-            smallest *= float(np.sqrt(threshold / entry.information))
-        # Else a limit, which shows whole or not at all.
-        smallest = max(smallest, law.floor(excitation))
-        if law.name not in sizes or smallest < sizes[law.name].size:
-            sizes[law.name] = DetectableSize(law.size_name, smallest, units.resolve(law.size_unit))
-    return {name: sizes[name] for name in CATALOGUE if name in sizes}
 
 
 def not_testable(reasons: Mapping[str, str], decision: Decision) -> tuple[NotTestable, ...]:

@@ -12,6 +12,9 @@ from gmfbo.diagnosis import Check
 from gmfbo.recordings.recording import Recording
 from tests.diagnosis.short_recordings import Axis, multisine
 
+LIMITS = {"actuator_saturation", "actuator_rate_limit", "supply_voltage_limit"}
+"""They show whole or not at all, from the next of a few starts that refitted parameters move."""
+
 NULL = Axis(truth={"inertia": 0.01, "viscous": 0.05})
 
 
@@ -26,9 +29,6 @@ def seen(recordings: list[Recording]) -> Check:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    reason="check still tells sizes by a coarser noise: 2 to 30 times as large", strict=True
-)
 def test_they_agree_with_what_a_diagnosis_reports_as_detectable(
     seen: Check, recordings: list[Recording]
 ) -> None:
@@ -38,7 +38,8 @@ def test_they_agree_with_what_a_diagnosis_reports_as_detectable(
     for name, size in diagnosis.detectable.items():
         assert seen.showable[name].parameter == size.parameter
         assert seen.showable[name].unit == size.unit
-        assert 1 / 1.5 < seen.showable[name].together / size.size < 1.5, name
+        if name not in LIMITS:
+            assert 1 / 1.1 < seen.showable[name].together / size.size < 1.1, name
     silent = {entry.name for entry in seen.not_testable}
     assert silent == {entry.name for entry in diagnosis.not_testable}
 
