@@ -64,7 +64,7 @@ def showable_sizes(case: Case, progress: Callable[[float], None]) -> Excited:
     ledger = search.opened(comparison.first)
     effects = [e for e in search.elements if e.candidate is not None]
     seen = _Seen.of(search, ledger, _tried(search.problem, ledger, effects, progress))
-    reasons |= not_shown(effects, seen.found, seen.together(), ())
+    reasons |= not_shown(effects, seen.found, seen.together(), (), case.setting.excitation)
 
     def sizes(told: Sequence[Shown]) -> dict[str, DetectableSize]:
         return detectable_sizes(told, case.setting.excitation, reasons, units_of(case))

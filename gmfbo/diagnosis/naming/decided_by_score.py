@@ -92,7 +92,11 @@ def decide(
         threshold=named_log_odds(),
         shown=tuple(seen),
         untestable=not_shown(
-            compared.search.elements, ledger.responses, seen, {n for c in said for n in c.members}
+            compared.search.elements,
+            ledger.responses,
+            seen,
+            {name for one in said for name in one.members},
+            case.setting.excitation,
         ),
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,

@@ -10,8 +10,10 @@ from gmfbo.diagnosis.comparison.moves import Element, Response, Shown
 from gmfbo.diagnosis.comparison.numbers import TOLD_APART, UNLIKE
 from gmfbo.diagnosis.result.named_effect import DetectableSize
 from gmfbo.physics import CATALOGUE, Excitation, Units
+from gmfbo.plain_words import NOT_EXCITED
 
 _NOTHING = "changes nothing in these recordings"
+_TOO_FAINT = f"{NOT_EXCITED}: no size that is looked for would show"
 _RUNS_AWAY = "the twin does not run to its end with it"
 
 
@@ -34,20 +36,28 @@ def detectable_sizes(
     sizes: dict[str, DetectableSize] = {}
     for entry in seen:
         candidate = entry.element.candidate
-        if candidate is None or candidate.effect in named or entry.information <= 0.0:
-            continue
-        if candidate.searched > 1:
+        if candidate is None or candidate.effect in named or candidate.searched > 1:
             continue  # several lines together show at a smaller size than any of them
-        law = candidate.law
-        smallest = law.size({**candidate.more, **candidate.values}, excitation)
-        if any(low <= 0.0 for low, _ in law.bounds(excitation).values()):
-            smallest *= float(np.sqrt(TOLD_APART / entry.information))
-        elif entry.information < TOLD_APART:
-            continue  # a limit, which shows whole or not at all
-        smallest = max(smallest, law.floor(excitation))
-        if law.name not in sizes or smallest < sizes[law.name].size:
+        law, smallest = candidate.law, _least_size(entry, excitation)
+        if smallest is not None and not (law.name in sizes and sizes[law.name].size <= smallest):
             sizes[law.name] = DetectableSize(law.size_name, smallest, units.resolve(law.size_unit))
     return {name: sizes[name] for name in CATALOGUE if name in sizes}
+
+
+def _least_size(entry: Shown, excitation: Excitation) -> float | None:
+    """Smallest size of an effect that is told apart; None if it is looked for at none such."""
+    candidate, information = entry.element.candidate, entry.information
+    assert candidate is not None
+    law, bounds, share = candidate.law, candidate.law.bounds(excitation), 1.0
+    sizes = [name for name, (low, _) in bounds.items() if low <= 0.0 and name in candidate.values]
+    if sizes and information > 0.0:
+        share = float(np.sqrt(TOLD_APART / information))
+        if any(share * candidate.values[name] > bounds[name][1] for name in sizes):
+            return None
+    elif information < TOLD_APART:
+        return None  # a limit, which shows whole or not at all
+    smallest = share * law.size({**candidate.more, **candidate.values}, excitation)
+    return max(smallest, law.floor(excitation))
 
 
 def not_shown(
@@ -55,6 +65,7 @@ def not_shown(
     found: Sequence[Response],
     seen: Sequence[Shown],
     said: Collection[str],
+    excitation: Excitation,
 ) -> dict[str, str]:
     """Effects about which recordings tell nothing, and why.
 
@@ -68,11 +79,17 @@ def not_shown(
         How well recordings show these.
     said : collection of str
         Effects that are told, and left out.
+    excitation : Excitation
+        By the recordings.
     """
     simulated = {response.element.name for response in found}
     competing = [e.name for e in elements if e.candidate is not None]
     running_away = {name: _RUNS_AWAY for name in competing if name not in simulated}
-    return {**_like_parameters(seen, said), **running_away}
+    effects = [e for e in seen if e.element.candidate is not None]
+    telling = {e.element.name for e in effects if _least_size(e, excitation) is not None}
+    names = {e.element.name for e in effects} - telling - set(said)
+    too_faint = dict.fromkeys(names, _TOO_FAINT)
+    return {**too_faint, **_like_parameters(seen, said), **running_away}
 
 
 def _like_parameters(seen: Sequence[Shown], said: Collection[str]) -> dict[str, str]:
