@@ -15,10 +15,12 @@ from gmfbo.diagnosis.comparison.moves import Move
 from gmfbo.diagnosis.comparison.numbers import NAMED, TORQUE_TIME, named_log_odds
 from gmfbo.diagnosis.comparison.opened_comparison import comparison_of
 from gmfbo.diagnosis.comparison.row_fits import RowFits
+from gmfbo.diagnosis.comparison.search import Search
 from gmfbo.diagnosis.comparison.unknown.beside import Unknown, _Beside, unknown_beside
 from gmfbo.diagnosis.comparison.unknown.curve import DrawnFunction
 from gmfbo.diagnosis.comparison.unknown.fitted import WithUnknown, begun_as, fitted_with
 from gmfbo.diagnosis.comparison.unknown.kinds import _ticks, kinds
+from gmfbo.diagnosis.comparison.whitener import Whitening
 from gmfbo.recordings.recording import Recording
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.noise.planted_noise import STEP, Planted, opened
@@ -271,7 +273,12 @@ def test_a_law_that_is_nearly_the_unknown_does_not_hide_it() -> None:
 
 def test_a_law_about_which_nobody_cares_is_not_told() -> None:
     """A hundredth of the rippled drag: far below 1 % of the drive's torque."""
-    assert left(lambda q, v, rng: 0.01 * rippled_drag(q, v, rng)) is None
+    little = recordings(lambda q, v, rng: 0.01 * rippled_drag(q, v, rng))
+    with opened(little) as case:
+        stated = comparison_of(case, [])
+        ledger, scored = stated.run()
+        promise = _Beside(stated.search, ledger, scored.best).promise
+    assert promise <= named_log_odds()
 
 
 def test_noise_of_the_shaft_is_no_law() -> None:
@@ -294,6 +301,7 @@ def test_a_played_function_is_found_again() -> None:
         columns = through_loop(problem, ledger.kernels, kind.port, kind.signals, as_simulated=True)
         start = WithUnknown(kind, columns, base, np.zeros(kind.count))
         found = fitted_with(problem, quiet, base, start, 100.0 * search.tolerance)
+        assert_told_by_a_straight_line(search, start, base.beside_own_parts(quiet))
         values = sum(z.size for z in base.residual)
         assert quiet.square(base.residual) > 5.0 * values
         assert quiet.square(found.left.residual) < 1.2 * values
@@ -310,6 +318,25 @@ def test_a_played_function_is_found_again() -> None:
             known = np.stack([played, speed, np.gradient(speed)], axis=1)
             left = acting - known @ np.linalg.lstsq(known, acting, rcond=None)[0]
             assert np.std(left) < 0.1 * np.std(acting)
+
+
+def assert_told_by_a_straight_line(
+    search: Search, start: WithUnknown, whitening: Whitening
+) -> None:
+    """Amplitudes are those of ridge regression, each quantity held by its prior."""
+    row, once = start.left, np.ones((1, sum(len(own) for own in search.problem.stretches())))
+    sized = start.sized(search.problem, whitening, once, search.tolerance)
+    made = np.concatenate(start.blocks(whitening), axis=1)
+    left = np.concatenate([z.ravel() for z in whitening(row.residual)])
+    free = np.full(start.kind.count, sized.size**-2)
+    ridge = np.diag(np.sqrt(np.concatenate([row.curvatures, free])))
+    pull = np.concatenate([-row.slopes / np.sqrt(row.curvatures), 0.0 * free])
+    values = np.linalg.lstsq(
+        np.concatenate([made.T, ridge]), np.concatenate([left, pull]), rcond=None
+    )[0]
+    straight = replace(start, amplitudes=values[-start.kind.count :])
+    told = replace(start, amplitudes=sized.amplitudes)
+    assert told.effective == pytest.approx(straight.effective, rel=1e-6)
 
 
 def test_a_larger_row_begins_where_a_function_ended_with_nothing_of_its_law() -> None:

@@ -107,6 +107,16 @@ class _Tried:
         return self.found.left.elements
 
 
+@dataclass(frozen=True, eq=False)
+class _Promised:
+    """A kind of function beside a row, as a straight line tells it."""
+
+    kind: Kind
+    evidence: float
+    size: float
+    effective: float
+
+
 class _Beside:
     """Free functions beside the best row of laws, and beside what it holds."""
 
@@ -114,7 +124,7 @@ class _Beside:
         self._search, self._ledger, self._best = search, ledger, ledger.rows[best]
         self._quiet = search.noise.cared_about(self._best, ledger)
         self._known: dict[frozenset[str], _Tried | None] = {}
-        self._ranks: dict[Fitted, list[tuple[float, Kind, float]]] = {}
+        self._ranks: dict[Fitted, list[_Promised]] = {}
 
     @cached_property
     def _kinds(self) -> list[Kind]:
@@ -137,7 +147,8 @@ class _Beside:
     def promise(self) -> float:
         """[nats] Gain of a free function beside the best row, as a straight line tells it.
 
-        Or in place of one of its laws, or of all: two of them may imitate what is none.
+        Or in place of one of its laws, or of all: two of them may imitate what is none. Nothing
+        beside that row is promised of a function that would be too small to matter.
         """
         row, rows = self._best, self._ledger.rows
         inner = grams(self._search.problem, row.beside_own_parts(self._quiet), row)
@@ -145,7 +156,11 @@ class _Beside:
         alone += self._search.log_prior(row.elements)
         asked = [row, *(rows[e] for e in self._fewer(row.elements) if e in rows)]
         pairs = zip(asked, self._ranked(asked), strict=True)
-        gains = [found[0][0] + self._prior(one.elements) for one, found in pairs if found]
+        gains = [
+            found[0].evidence + self._prior(one.elements)
+            for one, found in pairs
+            if found and (one is not row or found[0].effective >= self._search.tolerance)
+        ]
         return max(gains, default=-np.inf) - alone
 
     def told(self) -> Unknown | None:
@@ -258,15 +273,15 @@ class _Beside:
         """The likeliest free function beside each row; without those beside which none shows."""
         new = [row for row in rows if row.elements not in self._known]
         for row, ranked in zip(new, self._ranked(new), strict=True):
-            tried = [self._tried(row, kind, size) for _, kind, size in ranked[:_TRIED]]
+            tried = [self._tried(row, one.kind, one.size) for one in ranked[:_TRIED]]
             self._known[row.elements] = max(tried, key=lambda one: one.score, default=None)
         found = (self._known[row.elements] for row in rows)
         return [one for one in found if one is not None]
 
-    def _ranked(self, rows: Sequence[Fitted]) -> list[list[tuple[float, Kind, float]]]:
-        """Kinds beside each row: evidence of a straight line, and the size there, best first."""
+    def _ranked(self, rows: Sequence[Fitted]) -> list[list[_Promised]]:
+        """Kinds beside each row as a straight line tells them, best first."""
         search, new = self._search, [row for row in rows if row not in self._ranks]
-        found: dict[Fitted, list[tuple[float, Kind, float]]] = {row: [] for row in new}
+        found: dict[Fitted, list[_Promised]] = {row: [] for row in new}
         for kind in self._kinds if new else ():
             columns = self._columns(kind)
             white = self._quiet(columns)
@@ -275,8 +290,11 @@ class _Beside:
                 sized = start.sized(
                     search.problem, self._quiet, self._once, search.tolerance, white
                 )
-                own.append((float(sized.log_evidences[0]), kind, sized.size))
-        self._ranks |= {row: sorted(own, key=lambda one: -one[0]) for row, own in found.items()}
+                effective = replace(start, amplitudes=sized.amplitudes).effective
+                own.append(_Promised(kind, float(sized.log_evidences[0]), sized.size, effective))
+        self._ranks |= {
+            row: sorted(own, key=lambda one: -one.evidence) for row, own in found.items()
+        }
         return [self._ranks[row] for row in rows]
 
     def _tried(self, row: Fitted, kind: Kind, size: float) -> _Tried:

@@ -42,10 +42,13 @@ class Sized:
         [nats] The size integrated out; its logarithm is uniform.
     size : float
         [FMU's unit of the torque port] The most probable one.
+    amplitudes : ndarray, shape (c,)
+        Of the functions, as a straight line tells them under that size.
     """
 
     log_evidences: Array
     size: float
+    amplitudes: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +136,12 @@ class WithUnknown:
         else:
             logs = np.stack([log_evidences(row, inner, weights, count, s) for s in sizes[kept]])
         total = logsumexp(logs, axis=0)
-        return Sized(total - np.log(len(sizes)), float(sizes[np.argmax(first)]))
+        size = float(sizes[np.argmax(first)])
+        prior = np.concatenate([row.curvatures, np.full(count, size**-2)])
+        slopes = (mean @ inner.products)[0]
+        slopes[: -count or None] -= row.slopes
+        moved = np.linalg.solve(np.tensordot(mean, inner.matrices, 1)[0] + np.diag(prior), slopes)
+        return Sized(total - np.log(len(sizes)), size, moved[moved.size - count :])
 
 
 def of_unit_size(kind: Kind, energy: float, own: float) -> Kind | None:
