@@ -27,7 +27,7 @@ from tests.diagnosis.noise.planted_noise import STEP, Planted, opened
 from tests.diagnosis.short_recordings import SERVO, moves, multisine, triangle
 
 Array = NDArray[np.float64]
-DRAGGED = ("torque", "position", 40)
+DRAGGED = ("torque", "position", 41)
 """Port, state and number of functions of the last kind that has these: times the velocity."""
 Torque = Callable[[Array, Array, np.random.Generator], Array]
 
@@ -283,6 +283,21 @@ def test_a_law_about_which_nobody_cares_is_not_told() -> None:
 
 def test_noise_of_the_shaft_is_no_law() -> None:
     assert left(torque_noise) is None
+
+
+def test_a_function_of_its_size_may_have_any_mean() -> None:
+    """Else a constant torque beside it is likelier, whatever acts (draw case 447)."""
+    with opened(recordings(rippled_drag)) as case:
+        search = (stated := comparison_of(case, [])).search
+        ledger = search.opened(stated.first)
+        made = kinds(search.problem, ledger.kernels, ledger.rows[frozenset()])
+    plain = [k for k in made if k.against in ("position", "velocity") and k.ways[0][0] == ""]
+    assert len(plain) >= 5
+    for kind in plain:
+        signals = np.concatenate(kind.signals, axis=1)
+        level = np.linalg.lstsq(signals.T, np.ones(signals.shape[1]), rcond=1e-9)[0]
+        assert np.allclose(level @ signals, 1.0)
+        assert level @ level <= len(kind.ways) + 1e-6  # [standard deviations], squared
 
 
 def test_a_played_function_is_found_again() -> None:

@@ -125,13 +125,22 @@ def _ticks(passed: Sequence[Array], longest: float) -> list[Array]:
     """
     shared = sorted(float(own[-1]) for own in passed)[-2]
     count = int(np.clip(np.ceil(shared * longest / _TICK_S), 2, _MOST_TICKS))
-    return [smooth(own, 0.0, shared, count) * (own <= shared) for own in passed]
+    return [_with_level(smooth(own, 0.0, shared, count)) * (own <= shared) for own in passed]
 
 
 def _over(columns: Sequence[Array], count: int, over: float = SMOOTH_BUMPS) -> list[Array]:
     """Smooth functions over the range that a state has in all recordings, shape (c, n)."""
     low, high = ends_of(columns)
-    return [smooth(values, low, high, count, over) for values in columns]
+    return [_with_level(smooth(values, low, high, count, over)) for values in columns]
+
+
+def _with_level(functions: Array) -> Array:
+    """The same functions and a level of their size, shape (c + 1, n).
+
+    They could make one themselves, but each would have to be as large as it: a constant torque
+    beside smaller ones would be likelier, whatever acts.
+    """
+    return np.concatenate([functions, np.ones((1, functions.shape[1]))])
 
 
 def _signs(columns: Sequence[Array]) -> list[Array]:
