@@ -140,11 +140,17 @@ class FitNoise:
         problem, heard = self.problem, fitted.heard
         point = problem.point(fitted.hypothesis, fitted.x, fitted.own_values)
         level = 0.0 if levels is None else levels.ports.get("sensor", 0.0)
-        if heard is None or levels is None:
-            return errors_of(problem.simulations, point, kernels, level, self.held)
-        point = replace(point, noise=heard.played)
-        unheard = UnheardNoise(problem, fitted, kernels, levels).drawn
-        return errors_of(problem.simulations, point, kernels, level, self.held, unheard)
+        unheard = None
+        if heard is not None and levels is not None:
+            point = replace(point, noise=heard.played)
+            unheard = UnheardNoise(problem, fitted, kernels, levels).drawn
+        found = errors_of(problem.simulations, point, kernels, level, self.held, unheard)
+        return replace(found, dither=self._beyond_rounding(level))
+
+    def _beyond_rounding(self, level: float) -> float:
+        """White noise of a reading, in standard deviations of what rounding makes at least."""
+        least = self.least.ports.get("sensor", 0.0)
+        return float(np.sqrt(max((level / least) ** 2 - 1.0, 0.0))) if least else 0.0
 
     def with_own_parts(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors

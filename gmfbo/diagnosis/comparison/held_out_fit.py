@@ -202,7 +202,9 @@ def ledger_on(unseen: Case, search: Search, ledger: Ledger, row: Fitted) -> Ledg
     level = ledger.levels.ports.get("sensor", 0.0)
     point = problem.point(row.hypothesis, row.x)
     errors = errors_of(unseen.simulations, point, kernels, level, held_at_rest(unseen))
-    return replace(ledger, kernels=kernels, errors=replace(errors, spreads=ledger.errors.spreads))
+    known = ledger.errors
+    errors = replace(errors, spreads=known.spreads, dither=known.dither)
+    return replace(ledger, kernels=kernels, errors=errors)
 
 
 def foretelling(search: Search, ledger: Ledger, row: Fitted) -> Ledger:

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from gmfbo.diagnosis.comparison.noise.slow_rounding import between_counts, slow_rounding
 from gmfbo.diagnosis.comparison.nuisance_columns import Logging
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
 from gmfbo.diagnosis.comparison.segments import Segment
@@ -198,6 +199,29 @@ class Problem:
         if self.followed is None:
             return made
         return [self._left(s, d) for s, d in zip(self.segments, made, strict=True)]
+
+    def slow_rounding(self, dither: float) -> list[Array]:
+        """What rounding of slow motion leaves where the twin follows a position, shape (k, m, n).
+
+        Parameters
+        ----------
+        dither : float
+            [standard deviations of rounding] White noise that was rounded with the position.
+        """
+        found = []
+        for segment, own in zip(self.segments, self.recorded, strict=True):
+            columns = np.zeros((0, *own.shape))
+            for i, name in enumerate(segment.names):
+                count = self.logging.resolutions[name]
+                if self.followed is not None and name in self.positions and count > 0.0:
+                    errors = slow_rounding(
+                        between_counts(own[i]), count, dither * count / np.sqrt(12.0)
+                    )
+                    columns = np.zeros((len(errors), *own.shape))
+                    columns[:, i] = errors
+                    columns = self._left(segment, columns)
+            found.append(columns)
+        return found
 
     def _left(self, segment: Segment, columns: Array) -> Array:
         """What errors of the recorded position leave, since the twin follows them in part."""

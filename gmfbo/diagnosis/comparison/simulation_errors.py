@@ -43,12 +43,15 @@ class SimulationErrors:
         those of another size in each stretch.
     spreads : mapping of str to float
         Of own parts of the model's quantities in each recording, which its columns show.
+    dither : float
+        [standard deviations of rounding] White noise that was rounded with a followed position.
     """
 
     simulations: Simulations
     constant: Columns
     varying: Columns
     spreads: Mapping[str, float] = field(default_factory=dict)
+    dither: float = 0.0
 
     def on(self, problem: Problem, fitted: Fitted) -> list[tuple[Array, Array]]:
         """As the logger stores them, on a problem's segments, each of shape (k, m, n).
@@ -60,10 +63,13 @@ class SimulationErrors:
         fitted : Fitted
             Signals and errors of the logger about which they are stored.
         """
-        constant, varying = (
-            self._stored(columns, problem, fitted) for columns in (self.constant, self.varying)
-        )
-        return list(zip(constant, varying, strict=True))
+        varying = self._stored(self.varying, problem, fitted)
+        return list(zip(self._constant(problem, fitted), varying, strict=True))
+
+    def _constant(self, problem: Problem, fitted: Fitted) -> list[Array]:
+        stored = self._stored(self.constant, problem, fitted)
+        rounded = problem.slow_rounding(self.dither)
+        return [np.concatenate(both) for both in zip(stored, rounded, strict=True)]
 
     def _stored(self, columns: Columns, problem: Problem, fitted: Fitted) -> list[Array]:
         logging, nuisances = problem.logging, fitted.nuisances
@@ -101,7 +107,7 @@ class SimulationErrors:
         levels : Levels
             Of the noise beside them.
         """
-        constant = self._stored(self.constant, problem, fitted)
+        constant = self._constant(problem, fitted)
         if self.spreads and fitted.columns:
             constant = [
                 np.concatenate(both) for both in zip(constant, self._own(fitted), strict=True)
