@@ -13,7 +13,7 @@ from gmfbo.diagnosis.comparison.claims import Claim, Shares, claims_of, shares_a
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
 from gmfbo.diagnosis.comparison.ledger import Scored
-from gmfbo.diagnosis.comparison.moves import shown
+from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
     DOUBTED,
     NAMED,
@@ -91,18 +91,21 @@ def decide(
         base=base,
         threshold=named_log_odds(),
         shown=tuple(seen),
-        untestable=not_shown(
-            compared.search.elements,
-            ledger.responses,
-            seen,
-            {name for one in said for name in one.members},
-            case.setting.excitation,
-        ),
+        untestable=_untestable(case, compared, seen, said),
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
         notes=(*notes, *_notes_of(rounds, silent), *_counts_told(compared)),
     )
+
+
+def _untestable(
+    case: Case, compared: Compared, seen: Sequence[Shown], said: Sequence[Claim]
+) -> dict[str, str]:
+    """Effects about which these recordings tell nothing, and why; never one that is said."""
+    names = {name for one in said for name in one.members}
+    elements, found = compared.search.elements, compared.ledger.responses
+    return not_shown(elements, found, seen, names, case.setting.excitation)
 
 
 def _freed(
