@@ -104,19 +104,19 @@ print(f"force error: {with_parameters:.1%} with parameters alone, {with_physics:
 # %% [markdown]
 # ## What this says, and what it does not
 #
-# Cogging is named. Presliding or Stribeck friction, a set, and a friction that differs by
+# Cogging is named, and presliding friction or hysteresis, a set. A friction that differs by
 # direction may be missing, beside a function of the velocity that looks most like Stribeck
 # friction. In all, the carriage rubs with 20.6 N, where 20.4 N are published. The difference by
 # direction is one of *viscous* friction, -66 N s/m here; the rig's authors give 167 and 240 N s/m.
 # The ripple of 1 N has 400 cycles a metre, half the screw's pitch.
 #
-# What is told of the rest hangs by little. Engines before this one told presliding friction or
-# hysteresis, a set, at 0.80 and 3.25 %, the same without such a function, each law at 0.90, or no
-# such set and all of the friction as one that differs by direction, at 3.49 %. One whose fits took
+# What is told of the rest hangs by little. Engines before this one told presliding or Stribeck
+# friction, a set, at 0.63 and 3.26 %, laws without such a function, each at 0.90, or no such set
+# and all of the friction as one that differs by direction, at 3.49 %. One whose fits took
 # fewer sensitivities left the difference by direction to that function, at 7.5 %. The friction had
 # the same total each time.
 #
-# On the second half the voltage is met to 3.26 %, with eight numbers beside mass and viscous
+# On the second half the voltage is met to 3.25 %, with eight numbers beside mass and viscous
 # friction. Published models leave 3.8 % with four numbers, and 3.5 % with one line of ripple more.
 # Noise is next to nothing of what is left: 0.05 % of the voltage's range, of 0.75 %. That half was
 # looked at while the diagnosis was developed: its figures show how the tool works, and are no
