@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,12 @@ from gmfbo.diagnosis.comparison.noise.whole_band import inadequate
 from gmfbo.diagnosis.comparison.own_parts import own_spreads
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels
 from gmfbo.diagnosis.comparison.problem import Problem
-from gmfbo.diagnosis.comparison.row_fits import beyond_noise, is_more_than_noise, values_in
+from gmfbo.diagnosis.comparison.row_fits import (
+    beyond_noise,
+    is_more_than_noise,
+    log_likelihood,
+    values_in,
+)
 from gmfbo.diagnosis.comparison.simulation_errors import SimulationErrors, errors_of
 from gmfbo.diagnosis.comparison.whitener import UNMASKED, Whitening, segment_whitener
 
@@ -151,6 +156,36 @@ class FitNoise:
         """White noise of a reading, in standard deviations of what rounding makes at least."""
         least = self.least.ports.get("sensor", 0.0)
         return float(np.sqrt(max((level / least) ** 2 - 1.0, 0.0))) if least else 0.0
+
+    def likelier(
+        self,
+        fitted: Fitted,
+        kernels: PortKernels,
+        known: Sequence[Levels],
+        errors: SimulationErrors,
+    ) -> tuple[Levels, SimulationErrors]:
+        """The likeliest of some levels, where errors of an input between its rows are beside them.
+
+        Levels are read of what is left without the most likely of these errors, and some noise goes
+        with it. The errors are left out where that is likelier: a straight line may be right, and
+        noise of a logged current is in no motor.
+
+        Parameters
+        ----------
+        fitted, kernels
+            As of `whitening`.
+        known : sequence of Levels
+            Found beside these errors or others; the first ones where there are no such errors.
+        errors : SimulationErrors
+            With all of them.
+        """
+        if not errors.between:
+            return known[0], errors
+        bare = replace(errors, between=())
+        tried = [(levels, errors) for levels in known]
+        tried += [(self.levels(fitted, kernels, known[0], one), one) for one in (errors, bare)]
+        found = [log_likelihood(fitted, self.scaled(fitted, kernels, *one)) for one in tried]
+        return tried[int(np.argmax(found))]
 
     def with_own_parts(
         self, fitted: Fitted, kernels: PortKernels, levels: Levels, errors: SimulationErrors

@@ -202,9 +202,7 @@ def ledger_on(unseen: Case, search: Search, ledger: Ledger, row: Fitted) -> Ledg
     level = ledger.levels.ports.get("sensor", 0.0)
     point = problem.point(row.hypothesis, row.x)
     errors = errors_of(unseen.simulations, point, kernels, level, held_at_rest(unseen))
-    known = ledger.errors
-    errors = replace(errors, spreads=known.spreads, dither=known.dither)
-    return replace(ledger, kernels=kernels, errors=errors)
+    return replace(ledger, kernels=kernels, errors=errors.as_of(ledger.errors))
 
 
 def foretelling(search: Search, ledger: Ledger, row: Fitted) -> Ledger:
@@ -224,7 +222,7 @@ def foretelling(search: Search, ledger: Ledger, row: Fitted) -> Ledger:
     if ledger.noise is None and not ledger.own_noise:
         return ledger
     errors = search.noise.errors(replace(row, heard=None), ledger.kernels, ledger.levels)
-    return replace(ledger, errors=replace(errors, spreads=ledger.errors.spreads))
+    return replace(ledger, errors=errors.as_of(ledger.errors))
 
 
 def part_of(

@@ -100,6 +100,7 @@ class Search:
         for _ in range(2):
             levels = noise.levels(base, kernels, levels, errors)
             errors = noise.errors(base, kernels, levels)
+            levels, errors = noise.likelier(base, kernels, [levels], errors)
             whitening = noise.scaled(base, kernels, levels, errors)
             search = ModeSearch(self.problem, whitening, first.hypothesis)
             found = search.fitted(base.parameters, base.nuisances)
@@ -209,6 +210,7 @@ class Search:
             before = ledger.levels
             levels = self.noise.levels(row, kernels, before, ledger.errors)
             errors = self.noise.errors(row, kernels, levels)
+            levels, errors = self.noise.likelier(row, kernels, [levels, before], errors)
             errors = self.noise.with_own_parts(row, kernels, levels, errors)
             whitening = self.noise.scaled(row, kernels, levels, errors)
             ledger = replace(

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted
 from gmfbo.diagnosis.comparison.hearing.sensed_noise import from_rest, linear_answer
 from gmfbo.diagnosis.comparison.noise.places import Levels
+from gmfbo.diagnosis.comparison.noise.unseen_input import unseen_input
 from gmfbo.diagnosis.comparison.numbers import PLAYED_NOISES
 from gmfbo.diagnosis.comparison.port_kernels import PortKernels, through
 from gmfbo.diagnosis.comparison.problem import Problem
@@ -41,6 +42,8 @@ class SimulationErrors:
     constant, varying : tuple of tuple of ndarray, shape (k, n)
         [SI] By recording, then by signal at its own times: errors of one size in a recording, and
         those of another size in each stretch.
+    between : tuple of tuple of ndarray, shape (k, n)
+        [SI] The same of the input of a plant between its rows, one for each.
     spreads : mapping of str to float
         Of own parts of the model's quantities in each recording, which its columns show.
     dither : float
@@ -50,6 +53,7 @@ class SimulationErrors:
     simulations: Simulations
     constant: Columns
     varying: Columns
+    between: Columns = ()
     spreads: Mapping[str, float] = field(default_factory=dict)
     dither: float = 0.0
 
@@ -63,13 +67,34 @@ class SimulationErrors:
         fitted : Fitted
             Signals and errors of the logger about which they are stored.
         """
-        varying = self._stored(self.varying, problem, fitted)
-        return list(zip(self._constant(problem, fitted), varying, strict=True))
-
-    def _constant(self, problem: Problem, fitted: Fitted) -> list[Array]:
-        stored = self._stored(self.constant, problem, fitted)
+        constant, varying = (
+            self._stored(columns, problem, fitted) for columns in (self.constant, self.varying)
+        )
         rounded = problem.slow_rounding(self.dither)
-        return [np.concatenate(both) for both in zip(stored, rounded, strict=True)]
+        constant = [np.concatenate(both) for both in zip(constant, rounded, strict=True)]
+        constant = self._with_between(constant, problem)
+        return list(zip(constant, varying, strict=True))
+
+    def as_of(self, other: SimulationErrors) -> SimulationErrors:
+        """The same with the own parts of another, and with errors of the input as that has them.
+
+        Parameters
+        ----------
+        other : SimulationErrors
+            Of other recordings, or about another fit.
+        """
+        between = self.between if other.between else ()
+        return replace(self, between=between, spreads=other.spreads, dither=other.dither)
+
+    def _with_between(self, errors: list[Array], problem: Problem) -> list[Array]:
+        """Errors of each segment, and after them those of the input between its rows."""
+        if not self.between or problem.simulations is not self.simulations:
+            return errors
+        found = []
+        for segment, own in zip(problem.segments, errors, strict=True):
+            made = [segment.read(one) for one in zip(*self.between[segment.record], strict=True)]
+            found.append(np.concatenate([own, np.array(made).reshape(len(made), *own.shape[1:])]))
+        return found
 
     def _stored(self, columns: Columns, problem: Problem, fitted: Fitted) -> list[Array]:
         logging, nuisances = problem.logging, fitted.nuisances
@@ -112,6 +137,7 @@ class SimulationErrors:
             constant = [
                 np.concatenate(both) for both in zip(constant, self._own(fitted), strict=True)
             ]
+        constant = self._with_between(constant, problem)
         if not any(len(errors) for errors in constant):
             return fitted
         rates = problem.rates(fitted.values)
@@ -178,7 +204,21 @@ def errors_of(
             others = [drawn() for _ in range(PLAYED_NOISES - 1)]
             found += _errors([*played, *_played(simulations, point, known, kernels, others)])
     return SimulationErrors(
-        simulations, _by_recording(simulations, constant), _by_recording(simulations, found)
+        simulations,
+        _by_recording(simulations, constant),
+        _by_recording(simulations, found),
+        _between_rows(simulations, kernels),
+    )
+
+
+def _between_rows(simulations: Simulations, kernels: PortKernels) -> Columns:
+    """What the input of a plant may have done between its rows; empty where that is known."""
+    made = [unseen_input(record, kernels.of(k)) for k, record in enumerate(simulations.records)]
+    if all(one is None for one in made):
+        return ()
+    return tuple(
+        tuple(np.zeros((0, s.time.size)) for s in record.signals) if one is None else one
+        for one, record in zip(made, simulations.records, strict=True)
     )
 
 

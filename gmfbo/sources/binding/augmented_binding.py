@@ -103,12 +103,13 @@ def augment(binding: Binding) -> AugmentedBinding:
     )
     whole = replace(binding, fmus=tuple(fmus), content=tuple(content), variables=variables)
     wires = tuple(wire for instance in instances for wire in _wires(whole, instance))
-    through = _command_input(binding)
+    through = command_input(binding)
     late = through is None and _is_late(whole, instances)
     return AugmentedBinding(whole, instances, wires, late, through)
 
 
-def _command_input(binding: Binding) -> str | None:
+def command_input(binding: Binding) -> str | None:
+    """Input that is the command itself: a plant in open loop; None of any other twin."""
     port = binding.file.ports.get("command")
     return next((n for n, e in binding.file.inputs.items() if e.variable == port), None)
 
