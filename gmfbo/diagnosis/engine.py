@@ -14,6 +14,7 @@ from gmfbo.diagnosis.case.case import Case, times_noise
 from gmfbo.diagnosis.case.open_case import open_case, open_unseen
 from gmfbo.diagnosis.case.wider_ranges import wider_ranges
 from gmfbo.diagnosis.checking.between_rows import (
+    a_row_sooner,
     driven_as_likelier,
     note_of_straight,
     straight_inputs,
@@ -148,13 +149,14 @@ def _cases(
     gain = find_shown_gain(twin, recordings, seed=seed, jobs=jobs)
     if gain is not None:
         recordings, unseen = gain.put_in(recordings), gain.put_in(unseen)
-    case = driven_as_likelier(
+    driven = driven_as_likelier(
         _aligned_case(twin, recordings, seed, jobs),
         recordings,
-        lambda other: _aligned_case(other, recordings, seed, jobs),
+        lambda other, own: _aligned_case(other, own, seed, jobs),
     )
-    case = _with_ranges_that_hold(case, recordings, seed, jobs)
-    case.notes.extend(note_of_straight(straight_inputs(case.twin, twin)))
+    unseen = a_row_sooner(unseen, driven.late)
+    case = _with_ranges_that_hold(driven.case, driven.recordings, seed, jobs)
+    case.notes.extend(note_of_straight(straight_inputs(case.twin, twin), driven.late))
     closing.callback(case.simulations.close)
     case.notes.extend(dict.fromkeys((*given.notes, *held_out.notes)))
     case.notes.extend(

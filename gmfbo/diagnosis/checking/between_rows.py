@@ -8,7 +8,11 @@ answers its reference by itself: what it does between rows is an error of the si
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.checking.two_readings import slower_inputs, straight
@@ -24,12 +28,35 @@ from gmfbo.sources.twin.twin import FmuTwin
 _BARE = frozenset[str]()
 
 
-def driven_as_likelier(
-    case: Case, recordings: Sequence[Recording], opened: Callable[[FmuTwin], Case]
-) -> Case:
-    """A case of an open-loop plant whose unstated inputs go straight, where that is likelier.
+@dataclass(frozen=True, eq=False)
+class Driven:
+    """A case, and how its inputs were taken from the recordings.
 
-    The bare twin is asked, beside an inadequacy of any size.
+    Attributes
+    ----------
+    case : Case
+        Opened with them.
+    recordings : tuple of Recording
+        As they drive the twin.
+    late : tuple of str
+        Inputs that are taken a row sooner than they were logged.
+    """
+
+    case: Case
+    recordings: tuple[Recording, ...]
+    late: tuple[str, ...] = ()
+
+
+def driven_as_likelier(
+    case: Case,
+    recordings: Sequence[Recording],
+    opened: Callable[[FmuTwin, Sequence[Recording]], Case],
+) -> Driven:
+    """A case of an open-loop plant whose unstated inputs go as is likeliest.
+
+    They are held, or go straight to the next row, or either a row sooner, of a logger that writes
+    them late. Such an input acts before it is seen, which no law explains; one that is logged early
+    is an actuator's delay. The bare twin is asked, beside an inadequacy of any size.
 
     Parameters
     ----------
@@ -37,33 +64,76 @@ def driven_as_likelier(
         Opened with inputs that are held.
     recordings : sequence of Recording
         Of the case.
-    opened : callable (FmuTwin) -> Case
-        Opens the same recordings with another twin.
+    opened : callable (FmuTwin, sequence of Recording) -> Case
+        Opens recordings with another twin.
 
     Returns
     -------
-    Case
-        One of the two; the other one is closed.
+    Driven
+        The likeliest case; others are closed.
     """
+    kept = Driven(case, tuple(recordings))
     names = [name for name in slower_inputs(case.twin, recordings) if _is_real(case.twin, name)]
     if not names or case.simulations.tracking is None:
-        return case
-    other = None
+        return kept
+    drawn, sooner = straight(case.twin, names), a_row_sooner(recordings, names)
+    for twin, given, late in (
+        (drawn, recordings, ()),
+        (case.twin, sooner, tuple(names)),
+        (drawn, sooner, tuple(names)),
+    ):
+        kept = _likelier(kept, partial(opened, twin, given), given, late)
+    return kept
+
+
+def a_row_sooner(recordings: Sequence[Recording], names: Sequence[str]) -> tuple[Recording, ...]:
+    """Recordings in which each row of some signals has the value of the next one.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        Runs of the real axis.
+    names : sequence of str
+        Signals; the last value stays.
+    """
+
+    def moved(column: NDArray[np.float64]) -> NDArray[np.float64]:
+        sooner, known = column.copy(), np.flatnonzero(np.isfinite(column))
+        sooner[known[:-1]] = column[known[1:]]
+        return sooner
+
+    return tuple(
+        replace(
+            one,
+            signals={n: moved(c) if n in names else c for n, c in one.signals.items()},
+        )
+        for one in recordings
+    )
+
+
+def _likelier(
+    kept: Driven,
+    opened: Callable[[], Case],
+    recordings: Sequence[Recording],
+    late: tuple[str, ...],
+) -> Driven:
+    """The likelier of a case and another one; the less likely one is closed."""
+    other, case = None, kept.case
     try:
-        other = opened(straight(case.twin, names))
-        kept = other if _is_likelier(other, case) else case
+        other = opened()
+        found = Driven(other, tuple(recordings), late) if _is_likelier(other, case) else kept
     except GmfboError:
-        kept = case  # driven straight the twin does not run: inputs are held
+        found = kept  # driven so the twin does not run
     except BaseException:
         case.simulations.close()
         if other is not None:
             other.simulations.close()
         raise
     if other is not None:
-        left = case if kept is other else other
-        kept.simulations.runs += left.simulations.runs
+        left = case if found.case is other else other
+        found.case.simulations.runs += left.simulations.runs
         left.simulations.close()
-    return kept
+    return found
 
 
 def straight_inputs(twin: FmuTwin, given: FmuTwin) -> list[str]:
@@ -81,20 +151,28 @@ def straight_inputs(twin: FmuTwin, given: FmuTwin) -> list[str]:
     ]
 
 
-def note_of_straight(names: Sequence[str]) -> list[str]:
+def note_of_straight(names: Sequence[str], late: Sequence[str] = ()) -> list[str]:
     """Say what was done, and how the twin file says it; nothing where nothing was done.
 
     Parameters
     ----------
     names : sequence of str
         From `straight_inputs`.
+    late : sequence of str
+        Inputs that are taken a row sooner than they were logged.
     """
-    if not names:
-        return []
-    return [
-        f"{listed(names)}: driven straight from row to row, which the recordings like better than "
-        'held; write interpolation = "linear" there, or "hold" if it is held'
-    ]
+    told = []
+    if late:
+        told.append(
+            f"{listed(late)}: taken one row sooner than it was logged, which the recordings like "
+            "better: the logger writes that column late"
+        )
+    if names:
+        told.append(
+            f"{listed(names)}: driven straight from row to row, which the recordings like better "
+            'than held; write interpolation = "linear" there, or "hold" if it is held'
+        )
+    return told
 
 
 def _is_real(twin: FmuTwin, name: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -57,10 +57,13 @@ def test_a_current_that_ran_on_is_driven_straight_and_one_that_was_held_is_held(
 ) -> None:
     recordings = slow_rows(run)
 
-    def opened(twin: FmuTwin) -> Case:
-        return open_case(twin, recordings, seed=0, jobs=1)
+    def opened(twin: FmuTwin, own: Sequence[Recording]) -> Case:
+        return open_case(twin, own, seed=0, jobs=1)
 
-    case = driven_as_likelier(opened(BENCH.twin()), recordings, opened)
+    driven = driven_as_likelier(opened(BENCH.twin(), recordings), recordings, opened)
+    case = driven.case
+    assert driven.late == ()
+    assert list(driven.recordings) == recordings
     try:
         told = straight_inputs(case.twin, BENCH.twin())
         assert told == (["current"] if linear else [])
@@ -73,11 +76,11 @@ def test_a_current_that_ran_on_is_driven_straight_and_one_that_was_held_is_held(
 def test_a_twin_that_does_not_run_when_driven_straight_is_held() -> None:
     recordings = slow_rows(to_and_fro)
 
-    def fails(other: FmuTwin) -> Case:
+    def fails(other: FmuTwin, own: Sequence[Recording]) -> Case:
         raise SimulationError("no such step")
 
     case = open_case(BENCH.twin(), recordings, seed=0, jobs=1)
-    assert driven_as_likelier(case, recordings, fails) is case
+    assert driven_as_likelier(case, recordings, fails).case is case
     assert case.simulations.run([case.base.hypothesis.point(case.base.x)])[0][0].finite
     case.simulations.close()
 
@@ -86,15 +89,40 @@ def test_rows_as_fast_as_the_twin_and_inputs_that_are_stated_are_left_as_they_ar
     twin = BENCH.twin()
     fast = BENCH.recordings({}, (held,))
 
-    def never(other: FmuTwin) -> Case:
+    def never(other: FmuTwin, own: Sequence[Recording]) -> Case:
         raise AssertionError("nothing is open")
 
     case = open_case(twin, fast, seed=0, jobs=1)
-    assert driven_as_likelier(case, fast, never) is case
+    assert driven_as_likelier(case, fast, never).case is case
     case.simulations.close()
     stated = {"current": twin.file.inputs["current"].model_copy(update={"interpolation": "hold"})}
     told = twin.with_file(twin.file.model_copy(update={"inputs": stated}))
     slow = slow_rows(held)
     case = open_case(told, slow, seed=0, jobs=1)
-    assert driven_as_likelier(case, slow, never) is case
+    assert driven_as_likelier(case, slow, never).case is case
     case.simulations.close()
+
+
+def test_a_current_that_was_logged_a_row_late_is_taken_a_row_sooner() -> None:
+    """A row late is one that holds what the row before it held."""
+    known = slow_rows(to_and_fro)
+    recordings = [
+        dataclasses.replace(
+            own, signals={**own.signals, "current": np.roll(own.signals["current"], 1)}
+        )
+        for own in known
+    ]
+
+    def opened(twin: FmuTwin, own: Sequence[Recording]) -> Case:
+        return open_case(twin, own, seed=0, jobs=1)
+
+    driven = driven_as_likelier(opened(BENCH.twin(), recordings), recordings, opened)
+    try:
+        assert driven.late == ("current",)
+        np.testing.assert_array_equal(
+            driven.recordings[0].signals["current"][:-1], known[0].signals["current"][:-1]
+        )
+        assert driven.case.base.parameters["inertia"] == pytest.approx(0.0052, rel=0.02)
+        assert len(note_of_straight(["current"], driven.late)) == 2
+    finally:
+        driven.case.simulations.close()
