@@ -164,6 +164,8 @@ class Conclusion:
     @cached_property
     def _remainder(self) -> Remainder | None:
         share = self.result.squares.remainder
+        if share is None and self.decision.stand_ins:
+            share = 0.0
         if share is None:
             return None
         return remainder_of(self.case, self.decision, share)
@@ -187,7 +189,7 @@ class Conclusion:
             self.units,
         )
         unknown = self.decision.unknown
-        if verdict == "outside_library" and unknown is not None and not effects:
+        if verdict == "outside_library" and unknown is not None and not self.decision.rounds:
             return located_at(location, unknown.port, unknown.against)
         return location
 

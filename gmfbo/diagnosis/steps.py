@@ -10,6 +10,7 @@ import numpy as np
 
 from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.case.held_out_split import Split, split_of
+from gmfbo.diagnosis.comparison.numbers import MOST
 from gmfbo.diagnosis.conclusion import Conclusion
 from gmfbo.diagnosis.diagnosis import Diagnosis
 from gmfbo.diagnosis.naming.decided_by_score import decide, measured
@@ -78,7 +79,7 @@ class Search:
         case.base = measured(case.misfit, decision.base)
         case.notes.extend(decision.notes)
         self.progress("validating", 0.85)
-        decision, result = self._confirmed(decision, unseen)
+        decision, result = self._with_nearest(*self._confirmed(decision, unseen), unseen)
         decision = _held_against(decision, result)
         found = Conclusion(case, unseen, decision, reasons, result, self.lines.response)
         return found.diagnosis(seed, started, self.progress)
@@ -132,6 +133,24 @@ class Search:
         )
         withdrawn = without_names(self.case, decision, contradicted=result.contradicts_names)
         return withdrawn, self._validated(withdrawn, unseen)
+
+    def _with_nearest(
+        self, decision: Decision, result: Validated, unseen: Case | None
+    ) -> tuple[Decision, Validated]:
+        """Have laws stand in for what is unknown, if they explain most of it where it is unseen."""
+        nearest = decision.nearest
+        if nearest is None:
+            return decision, result
+        standing = replace(
+            decision,
+            row=nearest,
+            model=measured(self.case.misfit, nearest),
+            stand_ins=tuple(sorted(nearest.elements - decision.row.elements)),
+        )
+        found = self._validated(standing, unseen)
+        refused = found.contradicts_names or found.gains_nothing or found.fit.twin_is_withheld
+        left, before = found.squares.remainder or 0.0, result.squares.remainder or 1.0
+        return (decision, result) if refused or left > MOST * before else (standing, found)
 
     def _validated(self, decision: Decision, unseen: Case | None) -> Validated:
         case = self.case

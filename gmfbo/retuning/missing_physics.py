@@ -78,7 +78,7 @@ def complete(
     try:
         with FmuTwin(twin.path, parameters=given, driven_ports=twin.driven_ports) as calibrated:
             found = diagnose(calibrated, recordings, seed=seed, jobs=1)
-            if not found.effects or found.augmentation is None:
+            if found.augmentation is None or not found.augmentation.physics:
                 return None
             folder.mkdir(parents=True, exist_ok=True)
             exported = found.augmentation.export(folder)

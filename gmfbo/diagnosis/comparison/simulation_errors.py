@@ -67,13 +67,8 @@ class SimulationErrors:
         fitted : Fitted
             Signals and errors of the logger about which they are stored.
         """
-        constant, varying = (
-            self._stored(columns, problem, fitted) for columns in (self.constant, self.varying)
-        )
-        rounded = problem.slow_rounding(self.dither)
-        constant = [np.concatenate(both) for both in zip(constant, rounded, strict=True)]
-        constant = self._with_between(constant, problem)
-        return list(zip(constant, varying, strict=True))
+        varying = self._stored(self.varying, problem, fitted)
+        return list(zip(self._constant(problem, fitted), varying, strict=True))
 
     def as_of(self, other: SimulationErrors) -> SimulationErrors:
         """The same with the own parts of another, and with errors of the input as that has them.
@@ -86,14 +81,25 @@ class SimulationErrors:
         between = self.between if other.between else ()
         return replace(self, between=between, spreads=other.spreads, dither=other.dither)
 
-    def _with_between(self, errors: list[Array], problem: Problem) -> list[Array]:
-        """Errors of each segment, and after them those of the input between its rows."""
-        if not self.between or problem.simulations is not self.simulations:
-            return errors
+    def _constant(self, problem: Problem, fitted: Fitted) -> list[Array]:
+        """Errors of one size in a recording, by segment."""
+        parts = (
+            self._stored(self.constant, problem, fitted),
+            problem.slow_rounding(self.dither),
+            self._of_input(problem),
+        )
+        return [np.concatenate(errors) for errors in zip(*parts, strict=True)]
+
+    def _of_input(self, problem: Problem) -> list[Array]:
+        """What an input between its rows made, by segment."""
+        known = bool(self.between) and problem.simulations is self.simulations
         found = []
-        for segment, own in zip(problem.segments, errors, strict=True):
-            made = [segment.read(one) for one in zip(*self.between[segment.record], strict=True)]
-            found.append(np.concatenate([own, np.array(made).reshape(len(made), *own.shape[1:])]))
+        for segment in problem.segments:
+            columns = self.between[segment.record] if known else ()
+            errors = [segment.read(one) for one in zip(*columns, strict=True)]
+            found.append(
+                np.array(errors).reshape(len(errors), len(segment.names), segment.time.size)
+            )
         return found
 
     def _stored(self, columns: Columns, problem: Problem, fitted: Fitted) -> list[Array]:
@@ -137,7 +143,6 @@ class SimulationErrors:
             constant = [
                 np.concatenate(both) for both in zip(constant, self._own(fitted), strict=True)
             ]
-        constant = self._with_between(constant, problem)
         if not any(len(errors) for errors in constant):
             return fitted
         rates = problem.rates(fitted.values)

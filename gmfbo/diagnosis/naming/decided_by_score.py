@@ -25,7 +25,7 @@ from gmfbo.diagnosis.fitting.fit import Fitted, stacked
 from gmfbo.diagnosis.fitting.hypothesis import Candidate
 from gmfbo.diagnosis.fitting.misfit import Misfit
 from gmfbo.diagnosis.naming.decision import Compared, Decision, Evidence, Round, WrongValue
-from gmfbo.diagnosis.naming.row_to_hold import effects_of, held_by, model_row
+from gmfbo.diagnosis.naming.row_to_hold import effects_of, held_by, model_row, nearest_row
 from gmfbo.diagnosis.naming.shown_sizes import not_shown
 from gmfbo.diagnosis.naming.stretch_evidence import acting_of, gains_of, per_recording, seen_once
 from gmfbo.diagnosis.naming.worth import as_told
@@ -95,6 +95,7 @@ def decide(
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
+        nearest=None if unknown is None else nearest_row(compared, row, unknown.port),
         notes=(*notes, *_notes_of(rounds, silent), *_counts_told(compared)),
     )
 

@@ -173,6 +173,11 @@ class Decision:
         What is believed to act that no law holds.
     notes : tuple of str
         Why what explains the recordings is not named.
+    nearest : Row or None
+        The same as `row`, with the laws in whose place the unknown is believed: what the library
+        has that comes nearest to it.
+    stand_ins : tuple of str
+        Of these laws, those that the model holds.
     is_withdrawn : bool
         Held-out recordings contradict all that was believed.
     """
@@ -189,6 +194,8 @@ class Decision:
     compared: Compared
     unknown: Unknown | None = None
     notes: tuple[str, ...] = field(default=())
+    nearest: Row | None = None
+    stand_ins: tuple[str, ...] = ()
     is_withdrawn: bool = False
 
     @property

@@ -8,7 +8,7 @@ import numpy as np
 
 from gmfbo.diagnosis.comparison.claims import Claim
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
-from gmfbo.diagnosis.comparison.numbers import NAMED
+from gmfbo.diagnosis.comparison.numbers import MOST, NAMED
 from gmfbo.diagnosis.comparison.row_fits import RowFits
 from gmfbo.diagnosis.naming.decision import Compared
 
@@ -66,6 +66,50 @@ def model_row(
     chosen = row_to_hold(order, said, above)
     row = ledger.rows[scored.best if chosen is None else chosen]
     return fits.to_the_end(ledger.whitening, row)
+
+
+def nearest_row(compared: Compared, row: Row, port: str) -> Row | None:
+    """A row with laws that come nearest to something unknown, each the most of what is left.
+
+    Whether one of them acts is not asked: none is believed to.
+
+    Parameters
+    ----------
+    compared : Compared
+        Rows, and beliefs in them.
+    row : Row
+        With what is told.
+    port : str
+        Where the unknown acts.
+
+    Returns
+    -------
+    Row or None
+        None where no law at that port makes more than half of it.
+    """
+    ledger, noise = compared.ledger, compared.search.noise
+    near, base = row, ledger.rows[frozenset()]
+
+    def left_by(own: Row) -> float:
+        share = noise.share(base, own, ledger)
+        return 0.0 if share is None else 1.0 - share
+
+    while (left := left_by(near)) > 0.0:
+        found = [own for own in ledger.rows.values() if _adds_one(own, near, port)]
+        best = min(found, key=left_by, default=near)
+        if left_by(best) > (1.0 - MOST) * left:
+            break
+        near = best
+    if near is row:
+        return None
+    return RowFits(compared.search.problem, ledger.noise_of).to_the_end(ledger.whitening, near)
+
+
+def _adds_one(own: Row, row: Row, port: str) -> bool:
+    """Whether a row has one law more than another, at some port."""
+    new = own.elements - row.elements
+    laws = [e.law for e in own.hypothesis.effects if e.effect in new]
+    return own.elements > row.elements and len(new) == 1 and [law.port for law in laws] == [port]
 
 
 def row_to_hold(

@@ -58,6 +58,9 @@ class Remainder:
         Stretch that holds more than half of it, or "throughout".
     resembles : Resembled or None
         Law that makes most of that signal; None where none does.
+    stand_ins : tuple of str
+        Laws that the corrected twin has in its place, since they come nearest; no claim that they
+        act. `share` is what they leave.
     """
 
     share: float
@@ -65,6 +68,7 @@ class Remainder:
     against: str | None
     where: str
     resembles: Resembled | None = None
+    stand_ins: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         # Laws may leave more on held-out recordings than the refitted twin does: all is left then.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from gmfbo.plain_words import percent, words
+from gmfbo.plain_words import listed, percent, words
 
 if TYPE_CHECKING:
     from gmfbo.diagnosis.result.explained import Remainder
@@ -95,6 +95,9 @@ def remainder_words(remainder: Remainder | None) -> str:
     is_small = remainder.share < LEAST_TOLD
     share = f"less than {100.0 * LEAST_TOLD:g} %" if is_small else percent(remainder.share)
     told = f"{share} of what is more than noise is explained by no law"
+    if remainder.stand_ins:
+        instead = listed(map(words, remainder.stand_ins))
+        told = f"{share} of what is more than noise is left with {instead} in its place"
     if remainder.against is not None:
         told += f"; it depends on the {words(remainder.against)}{resembling_words(remainder)}"
     if remainder.where != "throughout":

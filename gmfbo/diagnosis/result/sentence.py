@@ -195,14 +195,31 @@ def _outside(diagnosis: Findings) -> str:
     which = f"{count} effects known here{' that could be tested' if silent else ''}"
     if diagnosis.effects:
         if explains_most(diagnosis.remainder):
-            return _physics(diagnosis)
+            return " ".join(filter(None, (_physics(diagnosis), _stand_ins(diagnosis))))
         nearest = " ".join(effect.statement for effect in diagnosis.effects)
         told = f"None of the {which} explains all that is missing. The nearest: {nearest}"
         improved = _improvement(diagnosis)
         change = f"With {_with_what(diagnosis)} {improved}." if improved else ""
-        return " ".join(filter(None, (told, change, _freed(diagnosis))))
+        instead = _stand_ins(diagnosis)
+        return " ".join(filter(None, (told, change, instead, _freed(diagnosis))))
     told = f"Something is missing that is none of the {which}{_function(diagnosis)}."
-    return " ".join(filter(None, (told, _freed(diagnosis))))
+    return " ".join(filter(None, (told, _stand_ins(diagnosis), _freed(diagnosis))))
+
+
+def _stand_ins(diagnosis: Findings) -> str:
+    """Sentence on laws that the corrected twin has in the place of what is unknown."""
+    left = diagnosis.remainder
+    if left is None or not left.stand_ins:
+        return ""
+    told = listed(map(words, left.stand_ins))
+    improved = "" if diagnosis.effects else _improvement(diagnosis)
+    one = len(left.stand_ins) == 1
+    verbs = ("comes", "stands", "it") if one else ("come", "stand", "them")
+    tail = f": with {verbs[2]} {improved}" if improved else ""
+    return (
+        f"{told[0].upper()}{told[1:]} {verbs[0]} nearest and {verbs[1]} in for it in the corrected "
+        f"twin{tail}."
+    )
 
 
 def _function(diagnosis: Findings) -> str:

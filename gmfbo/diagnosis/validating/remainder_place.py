@@ -30,8 +30,9 @@ def remainder_of(case: Case, decision: Decision, share: float) -> Remainder:
     where = _where(case, compared, row, whitening)
     if unknown is None:
         return Remainder(share, None, None, where)
-    likely = resembled_law(compared, unknown)
-    return Remainder(share, unknown.port, unknown.against, where, likely)
+    instead = decision.stand_ins
+    likely = None if instead else resembled_law(compared, unknown)
+    return Remainder(share, unknown.port, unknown.against, where, likely, instead)
 
 
 def _where(case: Case, compared: Compared, row: Fitted, whitening: Whitening) -> str:
