@@ -71,7 +71,8 @@ def decide(
     compared = Compared(comparison.search, ledger, scored)
     shares = _shares(compared)
     unknown = unknown_beside(compared.search, ledger, scored)
-    said, notes = _beside(_believed(scored, shares), unknown)
+    believed = _believed(scored, shares)
+    said, notes = _beside(believed, unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
     row = model_row(compared, said, {e: own.above for e, own in shares.items()})
@@ -95,6 +96,7 @@ def decide(
         share=compared.search.noise.share(base, row, ledger),
         compared=compared,
         unknown=unknown,
+        unsettled=_unsettled(compared, believed, unknown),
         nearest=None if unknown is None else nearest_row(compared, row, unknown.port),
         notes=(*notes, *_notes_of(rounds, silent), *_counts_told(compared)),
     )
@@ -107,6 +109,17 @@ def _untestable(
     names = {name for one in said for name in one.members}
     elements, found = compared.search.elements, compared.ledger.responses
     return not_shown(elements, found, seen, names, case.setting.excitation)
+
+
+def _unsettled(
+    compared: Compared, believed: Sequence[Claim], unknown: Unknown | None
+) -> frozenset[str]:
+    """Effects of which nobody can say that they would have been named if they were there."""
+    names = {name for claim in believed for name in claim.members}
+    laws = [e.candidate.law for e in compared.search.elements if e.candidate is not None]
+    if unknown is not None:
+        names |= {law.name for law in laws if law.port == unknown.port}
+    return frozenset(names)
 
 
 def _freed(

@@ -178,6 +178,8 @@ class Decision:
         has that comes nearest to it.
     stand_ins : tuple of str
         Of these laws, those that the model holds.
+    unsettled : frozenset of str
+        Effects that were believed, told or not, and those that what is unknown could hide.
     is_withdrawn : bool
         Held-out recordings contradict all that was believed.
     """
@@ -196,6 +198,7 @@ class Decision:
     notes: tuple[str, ...] = field(default=())
     nearest: Row | None = None
     stand_ins: tuple[str, ...] = ()
+    unsettled: frozenset[str] = frozenset()
     is_withdrawn: bool = False
 
     @property

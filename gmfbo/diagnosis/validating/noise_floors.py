@@ -12,9 +12,11 @@ _BINS = 2048  # most frequencies: a resonance of the loop is wider
 
 
 def noise_floors(part: Part, ledger: Ledger) -> dict[str, float]:
-    """[SI] Rms error of each signal by what the controller reads, the logger adds and its clock.
+    """[SI] Rms error of each signal by noise, and by errors of the simulation beside it.
 
-    By Parseval's theorem the mean of the spectrum over all frequencies.
+    Noise is what the controller reads, the logger adds and its clock: by Parseval's theorem the
+    mean of its spectrum over all frequencies. Errors are what those that are scored as no physics
+    most likely made, as of an input between its rows.
 
     Parameters
     ----------
@@ -28,12 +30,15 @@ def noise_floors(part: Part, ledger: Ledger) -> dict[str, float]:
     squares: dict[str, float] = {}
     rows: dict[str, int] = {}
     rates = part.problem.rates(part.fitted.values)
-    for segment, rate in zip(part.problem.segments, rates, strict=True):
+    left = ledger.errors.taken_out(part.problem, part.fitted, ledger.kernels, ledger.levels)
+    made = [a - b for a, b in zip(part.fitted.residual, left.residual, strict=True)]
+    for segment, rate, error in zip(part.problem.segments, rates, made, strict=True):
         n, kernels = segment.time.size, ledger.kernels.of(segment.record)
         bins = np.linspace(0.0, 0.5 / segment.spacing, min(n // 2, _BINS) + 1)
         spectra = covariance(levels, kernels, segment.names, bins, (rate**2).mean(1))
-        power = np.einsum("fii->fi", spectra).real
-        for name, square in zip(segment.names, power.mean(0), strict=True):
+        power = np.einsum("fii->fi", spectra).real.mean(0)
+        power = power + (error**2).mean(1)
+        for name, square in zip(segment.names, power, strict=True):
             squares[name] = squares.get(name, 0.0) + n * float(square)
             rows[name] = rows.get(name, 0) + n
     return {name: float(np.sqrt(total / rows[name])) for name, total in squares.items()}

@@ -56,6 +56,7 @@ def test_the_corrected_twin_has_them_and_the_diagnosis_names_nothing() -> None:
     command = found.fit.signals["torque_command"]
     assert command.augmented < 0.9 * command.parameters_only
     assert "Coulomb friction comes nearest and stands in for it" in found.sentence
+    assert found.detectable == {}  # what is unknown could hide any torque
 
 
 def standing(*laws: str) -> Diagnosis:
