@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gmfbo import FmuTwin, Recording
+from gmfbo import FmuTwin, Recording, diagnose
 from gmfbo.diagnosis.case.open_case import open_case
 from gmfbo.diagnosis.checking.two_readings import straight
 from gmfbo.diagnosis.comparison.noise.unseen_input import error_over_rows, unseen_input
@@ -18,6 +18,7 @@ from gmfbo.diagnosis.comparison.port_kernels import port_kernels
 from gmfbo.diagnosis.runs.scored_record import Record, scored_record
 from gmfbo.diagnosis.runs.simulated import Point
 from gmfbo.diagnosis.runs.simulations import Simulations
+from gmfbo.physics import CATALOGUE
 from gmfbo.sources.twin.augmented_twin import AugmentedTwin
 from tests.diagnosis.short_recordings import BENCH, SERVO
 
@@ -106,12 +107,17 @@ def stepping_path(t: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(values[np.searchsorted(steps, t)], dtype=np.float64)
 
 
-@pytest.mark.parametrize(("run", "missed"), [(straight_path, False), (stepping_path, True)])
-def test_errors_of_an_input_stay_where_it_did_not_go_straight(run: Run, missed: bool) -> None:
+def in_slow_rows(run: Run) -> Recording:
+    """Four seconds of the bench, in rows twice as slow."""
     fine = BENCH.recordings({}, (run,), seconds=4.0)[0]
     signals = {name: column[:: 2 * STEPS] for name, column in fine.signals.items()}
-    slow = replace(fine, time=fine.time[:: 2 * STEPS], signals=signals, written_by="")
-    case = open_case(straight(BENCH.twin(), ["current"]), [slow], seed=0, jobs=1)
+    return replace(fine, time=fine.time[:: 2 * STEPS], signals=signals, written_by="")
+
+
+@pytest.mark.parametrize(("run", "missed"), [(straight_path, False), (stepping_path, True)])
+def test_errors_of_an_input_stay_where_it_did_not_go_straight(run: Run, missed: bool) -> None:
+    twin = straight(BENCH.twin(), ["current"])
+    case = open_case(twin, [in_slow_rows(run)], seed=0, jobs=1)
     try:
         comparison = comparison_of(case, ())
         ledger = comparison.search.opened(comparison.first)
@@ -119,3 +125,13 @@ def test_errors_of_an_input_stay_where_it_did_not_go_straight(run: Run, missed: 
         assert ledger.rows[frozenset()].parameters["inertia"] == pytest.approx(0.0052, rel=0.05)
     finally:
         case.simulations.close()
+
+
+def test_the_floor_of_the_table_has_what_they_made() -> None:
+    """Without them it is a tenth of the error, and half of it with them: bumps have the rest."""
+    twin, known = straight(BENCH.twin(), ["current"]), [in_slow_rows(stepping_path)]
+    asked = {"coulomb_friction", "actuator_lag"}
+    told = diagnose(twin, known, exclude=sorted(set(CATALOGUE) - asked), seed=0, jobs=1)
+    assert told.effects == ()
+    error = told.fit.signals["position"]
+    assert 0.4 < error.noise_floor / error.parameters_only < 1.2
