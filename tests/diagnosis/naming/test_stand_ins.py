@@ -25,21 +25,22 @@ def root_friction(position: Array, velocity: Array, rng: np.random.Generator) ->
     return -0.03 * np.sign(velocity) * np.sqrt(np.abs(velocity))
 
 
-def nearest(torque: Torque, port: str) -> list[str] | None:
+def nearest(torque: Torque, *ports: str) -> list[list[str] | None]:
+    """Laws that come nearest to something at each of some ports."""
     with opened(recordings(torque)) as case:
         stated = comparison_of(case, ASKED)
         ledger, scored = stated.run()
-        found = nearest_row(Compared(stated.search, ledger, scored), ledger.rows[frozenset()], port)
-        return None if found is None else sorted(found.elements)
+        compared = Compared(stated.search, ledger, scored)
+        rows = [nearest_row(compared, ledger.rows[frozenset()], port) for port in ports]
+        return [None if row is None else sorted(row.elements) for row in rows]
 
 
 def test_coulomb_friction_comes_nearest_only_where_that_acts() -> None:
-    assert nearest(root_friction, "torque") == ["coulomb_friction"]
-    assert nearest(root_friction, "sensor") is None
+    assert nearest(root_friction, "torque", "sensor") == [["coulomb_friction"], None]
 
 
 def test_nothing_comes_near_to_noise() -> None:
-    assert nearest(torque_noise, "torque") is None
+    assert nearest(torque_noise, "torque") == [None]
 
 
 def test_the_corrected_twin_has_them_and_the_diagnosis_names_nothing() -> None:

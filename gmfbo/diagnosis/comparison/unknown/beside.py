@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import log
@@ -127,13 +127,21 @@ class _Beside:
         self._ranks: dict[Fitted, list[_Promised]] = {}
 
     @cached_property
-    def _kinds(self) -> list[Kind]:
-        problem, kernels = self._search.problem, self._ledger.kernels
-        energy = self._quiet.square(inadequacy_columns(problem, kernels, self._best))
-        made = kinds(problem, kernels, self._best)
-        shown = (self._quiet.square(self._columns(kind)) for kind in made)
-        found = (of_unit_size(kind, energy, own) for kind, own in zip(made, shown, strict=True))
-        return [kind for kind in found if kind is not None]
+    def _energy(self) -> float:
+        """Whitened square of what functions of unit size cause at the torque port."""
+        columns = inadequacy_columns(self._search.problem, self._ledger.kernels, self._best)
+        return self._quiet.square(columns)
+
+    def _caused(self) -> Iterator[tuple[Kind, list[Array], list[Array]]]:
+        """Kinds of unit size, with what they cause, as it is and whitened; those that show."""
+        for made in kinds(self._search.problem, self._ledger.kernels, self._best):
+            columns = self._columns(made)
+            white = self._quiet(columns)
+            shown = sum(float(np.sum(z**2)) for z in white)
+            kind = of_unit_size(made, self._energy, shown)
+            if kind is not None:
+                factor = kind.unit / made.unit
+                yield kind, [factor * c for c in columns], [factor * z for z in white]
 
     def _columns(self, kind: Kind) -> list[Array]:
         """[SI] What the functions of a kind cause, shape (c, m, n), by segment.
@@ -282,9 +290,7 @@ class _Beside:
         """Kinds beside each row as a straight line tells them, best first."""
         search, new = self._search, [row for row in rows if row not in self._ranks]
         found: dict[Fitted, list[_Promised]] = {row: [] for row in new}
-        for kind in self._kinds if new else ():
-            columns = self._columns(kind)
-            white = self._quiet(columns)
+        for kind, columns, white in self._caused() if new else ():
             for row, own in found.items():
                 start = WithUnknown(kind, columns, row, np.zeros(kind.count))
                 sized = start.sized(
@@ -331,7 +337,8 @@ class _Beside:
 
     def _prior(self, elements: frozenset[str]) -> float:
         """[nats] Of a free function of one kind beside these elements."""
-        return self._search.log_prior(elements | {_NAME}) - log(len(self._kinds))
+        count = max(len(found) for found in self._ranks.values())
+        return self._search.log_prior(elements | {_NAME}) - log(max(count, 1))
 
     @cached_property
     def _once(self) -> Array:
