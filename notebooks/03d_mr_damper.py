@@ -114,16 +114,18 @@ for model, fit in {"viscous": viscous, "+ Coulomb": coulomb, "diagnosed": diagno
 # ## What this says, and what it does not
 #
 # Two effects are named. The first is a force that closes its loop over two thirds of a
-# millimetre. The second stands for friction that grows with speed: 7 N near standstill and 19 N
+# millimetre. The second stands for friction that grows with speed: 7 N near standstill and 22 N
 # well above 0.02 m/s. The viscous coefficient rests at the lower end of its range, and the
 # sentence says so: the second name rises with speed too and takes its place, so widen the range
 # before you believe how the two share it.
 #
 # Fits of a Bouc-Wen model with all of its coefficients free reached 80.8 % on these rows, a lag
-# and a stiffness besides Coulomb friction 54.4 %. The loop here is that of many springs that slip
-# one after the other, with two coefficients. About a tenth of what is more than noise is explained
-# by no law: `remainder` says so. "transmission" under `where` is the place where a gear would
-# have its hysteresis: the twin has one port, so it can be no more than a place.
+# and a stiffness besides Coulomb friction 54.4 %. Engines before this one reached 79.3 and 82.5 %
+# with the same two laws: what is left is far more than noise, and values depend on how it counts.
+# The loop here is that of many springs that slip one after the other, with two coefficients. About
+# a tenth of what is more than noise is explained by no law: `remainder` says so. "transmission"
+# under `where` is the place where a gear would have its hysteresis: the twin has one port, so it
+# can be no more than a place.
 
 # %%
 assert diagnosis.verdict == "missing_physics"
@@ -137,8 +139,8 @@ assert 40.0 < hysteresis.parameters["level"].value < 60.0  # [N] of 80 N at most
 assert 5e-4 < hysteresis.parameters["deflection"].value < 8e-4  # [m]
 rising = named["stribeck_friction"].parameters
 assert 4.0 < rising["breakaway"].value < 9.5  # [N]
-assert 15.5 < rising["level"].value < 20.7  # [N]
-assert 0.015 < rising["velocity"].value < 0.025  # [m/s]
+assert 18.5 < rising["level"].value < 24.5  # [N]
+assert 0.016 < rising["velocity"].value < 0.025  # [m/s]
 
 assert abs(viscous - 0.368) < 0.005, "as others have measured it"
 assert abs(coulomb - 0.447) < 0.01, "as others have measured it"

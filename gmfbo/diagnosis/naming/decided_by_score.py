@@ -12,7 +12,6 @@ from gmfbo.diagnosis.case.case import Case
 from gmfbo.diagnosis.comparison.claims import Claim, Shares, claims_of, shares_above_floor
 from gmfbo.diagnosis.comparison.evidence import grams
 from gmfbo.diagnosis.comparison.fitted_hypothesis import Fitted as Row
-from gmfbo.diagnosis.comparison.ledger import Scored
 from gmfbo.diagnosis.comparison.moves import Shown, shown
 from gmfbo.diagnosis.comparison.numbers import (
     DOUBTED,
@@ -69,24 +68,23 @@ def decide(
     comparison = comparison_of(case, {*testable, *silent}, passing, held=held, log=log)
     ledger, scored = comparison.run()
     compared = Compared(comparison.search, ledger, scored)
-    shares = _shares(compared)
     unknown = unknown_beside(compared.search, ledger, scored)
-    believed = _believed(scored, shares)
+    believed, above = _believed(compared)
     said, notes = _beside(believed, unknown)
     base = ledger.rows[frozenset()]
     seen = shown(ledger.whitening, base, ledger.responses)
-    row = model_row(compared, said, {e: own.above for e, own in shares.items()})
+    row = model_row(compared, said, above)
     held_by_row = [one for one in held_by(said, row.elements) if one[1]]
     model = measured(case.misfit, row)
     most = LEAST_FOR_A_FACT if unknown is not None else 1.0
-    named = [one for one in held_by_row if effects_of(one[0])]
     rounds = [
         _round(case, compared, row, model, *one, min(most, _most_of(one[0], silent)))
-        for one in named
+        for one in held_by_row
+        if effects_of(one[0])
     ]
     return Decision(
         rounds=tuple(sorted(rounds, key=lambda r: -r.gain)),
-        freed=_freed(compared, held_by_row, named, most),
+        freed=_freed(compared, held_by_row, most),
         model=model,
         row=row,
         base=base,
@@ -125,13 +123,12 @@ def _unsettled(
 def _freed(
     compared: Compared,
     held: Sequence[tuple[Claim, str]],
-    named: Sequence[tuple[Claim, str]],
     most: float,
 ) -> dict[str, WrongValue]:
     """Sets of fixed parameters alone, by the one that a model holds."""
     found = {}
     for claim, name in held:
-        if (claim, name) not in named:
+        if not effects_of(claim):
             own = (name, *(n for n in claim.members if n != name))
             belief, gain = min(claim.probability, most), _log_odds(compared, claim)
             wrong = WrongValue(own, belief, gain, as_told(belief, gain, most), most)
@@ -150,9 +147,13 @@ def _moving_on(progress: Callable[[str, float], None]) -> Callable[[str], None]:
     return told
 
 
-def _believed(scored: Scored, shares: Mapping[frozenset[str], Shares]) -> list[Claim]:
-    """Claims that are believed enough to be told."""
-    return [claim for claim in claims_of(scored, shares) if claim.probability >= NAMED]
+def _believed(
+    compared: Compared,
+) -> tuple[list[Claim], dict[frozenset[str], Mapping[str, float]]]:
+    """Claims that are believed enough to be told; by row, how likely elements are above floors."""
+    shares = _shares(compared)
+    claims = [c for c in claims_of(compared.scored, shares) if c.probability >= NAMED]
+    return claims, {elements: own.above for elements, own in shares.items()}
 
 
 def _most_of(claim: Claim, silent: Collection[str]) -> float:
