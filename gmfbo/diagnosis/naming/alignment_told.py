@@ -40,22 +40,25 @@ LAWS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
-    """One column over all recordings: scale - 1, offset [SI], shift [s], and their errors."""
+    """One column over all recordings: scale - 1, offset [SI], shift [s], and their covariance."""
 
     sizes: Array
-    errors: Array
+    covariance: Array
 
     @property
-    def scale(self) -> float:
-        return float(self.sizes[0])
+    def errors(self) -> Array:
+        found: Array = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return found
 
-    @property
-    def offset(self) -> float:
-        return float(self.sizes[1])
-
-    @property
-    def shift(self) -> float:
-        return float(self.sizes[2])
+    def believed(self, allowed: Array) -> Array:
+        """The likeliest sizes under a normal prior with these standard deviations, shape (3,)."""
+        free = np.flatnonzero(allowed > 0.0)
+        units, found = allowed[free], np.zeros(3)
+        beside_one = np.eye(free.size) + self.covariance[np.ix_(free, free)] / np.outer(
+            units, units
+        )
+        found[free] = units * np.linalg.solve(beside_one, self.sizes[free] / units)
+        return found
 
 
 def alignments(case: Case, model: Fitted, untested: Collection[str] = ()) -> dict[str, Alignment]:
@@ -74,18 +77,23 @@ def alignments(case: Case, model: Fitted, untested: Collection[str] = ()) -> dic
         name: _seen(case, model, name)
         for name in dict.fromkeys(s.name for r in case.simulations.records for s in r.signals)
     }
-    beyond = {name: _beyond_prior(case, name, one) for name, one in seen.items()}
+    allowed = {name: _allowed(case, name) for name in seen}
+    beyond = {name: _beyond_prior(case, one, allowed[name]) for name, one in seen.items()}
+    told = {  # a prior that the recordings contradict is not believed
+        name: one.sizes if beyond[name] else one.believed(allowed[name])
+        for name, one in seen.items()
+    }
     rival = _rival(case, model, {kind for kinds in beyond.values() for kind in kinds}, untested)
     return {
         name: Alignment(
             logged="new" if name in case.simulations.new_rows else "held",
-            shift=one.shift,
-            scale=1.0 + one.scale,
-            offset=one.offset,
+            shift=float(shift),
+            scale=float(1.0 + scale),
+            offset=float(offset),
             rival=rival if any(rival in LAWS[kind] for kind in beyond[name]) else None,
             beyond_prior=beyond[name],
         )
-        for name, one in seen.items()
+        for name, (scale, offset, shift) in told.items()
     }
 
 
@@ -101,8 +109,7 @@ def _seen(case: Case, model: Fitted, name: str) -> _Seen:
     sizes = inverse @ vector
     for columns, left in pieces:
         spread += long_run_covariance(columns * (left - sizes @ columns))
-    errors = np.sqrt(np.maximum(np.diag(inverse @ spread @ inverse), 0.0))
-    return _Seen(sizes, errors)
+    return _Seen(sizes, inverse @ spread @ inverse)
 
 
 def _pieces(case: Case, model: Fitted, name: str) -> list[tuple[Array, Array]]:
@@ -124,28 +131,27 @@ def _directions(signal: ScoredSignal, values: Array) -> Array:
     return np.stack([values, np.ones(values.size), -rate])
 
 
-def _beyond_prior(case: Case, name: str, seen: _Seen) -> dict[str, float]:
+def _beyond_prior(case: Case, seen: _Seen, allowed: Array) -> dict[str, float]:
     """Kinds of which a column has more than its prior allows, in standard deviations."""
     if case.simulations.tracking is not None:
         return {}  # a controller holds the twin on the recorded position, whatever its column is
-    prior = case.rig.alignments[name]
-    signals = [s for r in case.simulations.records for s in r.signals if s.name == name]
-    extent = max(float(np.ptp(s.values)) for s in signals)
-    spacing = max(s.spacing for s in signals)
-    allowed = np.array(
-        [
-            prior.scale,
-            # An encoder has no free offset in the budget, but none is exact either.
-            (prior.offset or OFFSET) * extent,
-            prior.shift or SHIFT_SHARE * spacing,
-        ]
-    )
     deviations = np.abs(seen.sizes) / np.maximum(np.hypot(allowed, seen.errors), 1e-300)
     return {
         kind: float(deviation)
         for kind, deviation in zip(_KINDS, deviations, strict=True)
         if deviation > FAR
     }
+
+
+def _allowed(case: Case, name: str) -> Array:
+    """Standard deviations of a column's scale - 1, offset [SI] and shift [s] by its prior."""
+    prior = case.rig.alignments[name]
+    signals = [s for r in case.simulations.records for s in r.signals if s.name == name]
+    extent = max(float(np.ptp(s.values)) for s in signals)
+    spacing = max(s.spacing for s in signals)
+    # An encoder has no free offset in the budget, but none is exact either.
+    offset = (prior.offset or OFFSET) * extent
+    return np.array([prior.scale, offset, prior.shift or SHIFT_SHARE * spacing])
 
 
 def _rival(

@@ -8,7 +8,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from gmfbo.diagnosis.naming.alignment_told import FAR, LAWS, alignments
+from gmfbo.diagnosis.naming.alignment_told import FAR, LAWS, _Seen, alignments
 from gmfbo.diagnosis.result.estimated import Alignment
 from gmfbo.physics import CATALOGUE
 from gmfbo.recordings.recording import Recording
@@ -36,6 +36,16 @@ def aligned(
     """Alignment against the twin with its parameters refitted."""
     with SERVO.twin() as twin, closing((case := open_small(twin, recordings)).simulations):
         return alignments(case, case.base, untested)
+
+
+def test_what_the_recordings_hardly_tell_of_a_column_is_told_as_its_prior_has_it() -> None:
+    """By one size at a time: the mean of two normal estimates, each by its variance."""
+    seen = _Seen(np.array([-0.06, 2.5, 1e-3]), np.diag([0.03**2, 1e-12, 1e-8]))
+    scale, offset, shift = seen.believed(np.array([3e-4, 0.1, 1e-4]))
+    assert scale == pytest.approx(-0.06 * 3e-4**2 / (3e-4**2 + 0.03**2), rel=1e-9)
+    assert offset == pytest.approx(2.5, rel=1e-9)  # certain, whatever is usual
+    assert shift == pytest.approx(0.5e-3, rel=1e-9)
+    assert seen.believed(np.zeros(3)) == pytest.approx(np.zeros(3))
 
 
 def test_columns_of_a_right_twin_are_within_their_priors() -> None:
