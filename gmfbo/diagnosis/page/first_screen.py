@@ -216,8 +216,10 @@ def _left(diagnosis: Findings) -> list[str]:
     told, remainder = remainder_words(diagnosis.remainder), diagnosis.remainder
     if not told or remainder is None:
         return []
-    shown = marked_percent(("remainder", "share"), remainder.share)
-    return [f"<b>{shown}</b>{escape(told.removeprefix(percent(remainder.share)))}"]
+    shown, bare = marked_percent(("remainder", "share"), remainder.share), percent(remainder.share)
+    if not told.startswith(bare):  # less than is told
+        return [escape(told)]
+    return [f"<b>{shown}</b>{escape(told.removeprefix(bare))}"]
 
 
 def _moved_parameters(parameters: Mapping[str, EstimatedParameter]) -> list[str]:

@@ -229,15 +229,19 @@ def _function(diagnosis: Findings) -> str:
     if left is not None and left.port is not None and left.against is not None:
         place = (left.port, left.against)
         if shape is None or (shape.port, shape.against.partition(",")[0]) != place:
-            port, against = map(words, place)
-            return f": it acts at the {port} port and depends on the {against}{alike}"
+            return _acts(*place, alike)
     if shape is None or not shape.y:
         return ""
-    largest = max((abs(y) for y in shape.y if math.isfinite(y)), default=math.nan)
+    if not math.isfinite(shape.largest):
+        return _acts(shape.port, shape.against, alike)
     return (
-        f": up to {prefixed(largest, shape.unit_y)} at the {words(shape.port)} port that depends "
-        f"on the {words(shape.against)}{alike}"
+        f": up to {prefixed(shape.largest, shape.unit_y)} at the {words(shape.port)} port that "
+        f"depends on the {words(shape.against)}{alike}"
     )
+
+
+def _acts(port: str, against: str, alike: str) -> str:
+    return f": it acts at the {words(port)} port and depends on the {words(against)}{alike}"
 
 
 def _improvement(diagnosis: Findings) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -80,3 +81,9 @@ class Shape:
     law: str = ""
     law_x: tuple[float, ...] = ()
     law_y: tuple[float, ...] = ()
+
+    @property
+    def largest(self) -> float:
+        """[unit_y] Largest size whose band holds one sign alone; NaN where there is none."""
+        bands = zip(self.y, self.y_low, self.y_high, strict=True)
+        return max((abs(y) for y, low, high in bands if low * high > 0.0), default=math.nan)

@@ -15,6 +15,7 @@ from gmfbo.diagnosis import Diagnosis
 from gmfbo.diagnosis.page.first_screen import unbroken
 from gmfbo.diagnosis.page.page import diagnosis_page
 from gmfbo.diagnosis.result.curve import Curve
+from gmfbo.diagnosis.result.explained import Remainder
 from gmfbo.diagnosis.result.named_effect import NotTestable, RivalShare
 from gmfbo.pages.marked_number import json_path
 from gmfbo.physics import CATALOGUE
@@ -113,6 +114,12 @@ def test_a_number_that_is_not_that_of_the_json_is_seen() -> None:
 @pytest.mark.parametrize("made", ALL)
 def test_the_page_holds_the_whole_json(made: Diagnosis) -> None:
     assert PageText(diagnosis_page(made)).content == json.loads(made.to_json())
+
+
+def test_a_small_remainder_is_told_once() -> None:
+    left = Remainder(0.002, "torque", "velocity", "throughout")
+    page = diagnosis_page(replace(outside(), remainder=left))
+    assert "<li>less than 1 % of what is more than noise" in page.replace("\xa0", " ")
 
 
 @pytest.mark.parametrize("made", [friction(), rivals(), outside(), nothing(), too_little()])

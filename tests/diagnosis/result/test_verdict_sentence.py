@@ -132,6 +132,18 @@ def test_a_function_is_told_with_the_law_that_it_looks_like() -> None:
     assert "most like" not in replace(outside(), remainder=replace(like, resembles=None)).sentence
 
 
+def test_the_size_of_what_has_no_name_is_one_that_is_sure() -> None:
+    """Of a ball screw 0.065 N m was told, where the band of the curve was as wide."""
+    shape = outside().shape
+    assert shape is not None
+    vague = replace(shape, y=(0.3, -0.9, 0.1), y_low=(0.2, -2.0, -0.1), y_high=(0.4, 0.5, 0.2))
+    assert vague.largest == 0.3
+    assert "up to 0.3 N m at the torque port" in replace(outside(), shape=vague).sentence
+    none = replace(vague, y_low=(-1.0, -2.0, -0.1))
+    told = replace(outside(), shape=none).sentence
+    assert "it acts at the torque port and depends on the velocity" in told
+
+
 def test_what_has_no_name_is_told_with_its_largest_size() -> None:
     tested = len(CATALOGUE) - len(outside().not_testable)
     told = outside().sentence
