@@ -81,6 +81,12 @@ class SimulationErrors:
         between = self.between if other.between else ()
         return replace(self, between=between, spreads=other.spreads, dither=other.dither)
 
+    @property
+    def of_rows(self) -> SimulationErrors:
+        """Those of what rows leave open alone: an input between them, and slow rounding."""
+        nothing = tuple(tuple(columns[:0] for columns in own) for own in self.constant)
+        return replace(self, constant=nothing, varying=nothing, spreads={})
+
     def _constant(self, problem: Problem, fitted: Fitted) -> list[Array]:
         """Errors of one size in a recording, by segment."""
         parts = (

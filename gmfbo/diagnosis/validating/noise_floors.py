@@ -12,11 +12,11 @@ _BINS = 2048  # most frequencies: a resonance of the loop is wider
 
 
 def noise_floors(part: Part, ledger: Ledger) -> dict[str, float]:
-    """[SI] Rms error of each signal by noise, and by errors of the simulation beside it.
+    """[SI] Rms error of each signal by noise, and by what rows leave open.
 
     Noise is what the controller reads, the logger adds and its clock: by Parseval's theorem the
-    mean of its spectrum over all frequencies. Errors are what those that are scored as no physics
-    most likely made, as of an input between its rows.
+    mean of its spectrum over all frequencies. Beside it is what an input between its rows and slow
+    rounding most likely made.
 
     Parameters
     ----------
@@ -30,7 +30,8 @@ def noise_floors(part: Part, ledger: Ledger) -> dict[str, float]:
     squares: dict[str, float] = {}
     rows: dict[str, int] = {}
     rates = part.problem.rates(part.fitted.values)
-    left = ledger.errors.taken_out(part.problem, part.fitted, ledger.kernels, ledger.levels)
+    errors = ledger.errors.of_rows
+    left = errors.taken_out(part.problem, part.fitted, ledger.kernels, ledger.levels)
     made = [a - b for a, b in zip(part.fitted.residual, left.residual, strict=True)]
     for segment, rate, error in zip(part.problem.segments, rates, made, strict=True):
         n, kernels = segment.time.size, ledger.kernels.of(segment.record)
