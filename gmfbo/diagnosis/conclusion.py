@@ -115,7 +115,7 @@ class Conclusion:
             detectable=detectable_sizes(
                 decision.shown,
                 case.setting.excitation,
-                decision.unsettled | {n for e in named for n in e.set} | {e.name for e in untold},
+                decision.unsettled | {e.name for e in untold},
                 self.units,
             ),
             location=location,

@@ -133,7 +133,7 @@ def test_a_function_is_told_with_the_law_that_it_looks_like() -> None:
 
 
 def test_the_size_of_what_has_no_name_is_one_that_is_sure() -> None:
-    """Of a ball screw 0.065 N m was told, where the band of the curve was as wide."""
+    """The largest value of a curve may lie where its band tells nothing of the sign."""
     shape = outside().shape
     assert shape is not None
     vague = replace(shape, y=(0.3, -0.9, 0.1), y_low=(0.2, -2.0, -0.1), y_high=(0.4, 0.5, 0.2))
